@@ -1,0 +1,112 @@
+# treelet from a fresh checkout: needs python3 (with venv), a C++20 compiler and make.
+# Everything else goes into .venv, CMake and Ninja too where the system's are missing or old.
+
+PYTHON ?= python3
+MESH ?=
+ARGS ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+STAMPS := $(VENV)/.stamps
+# One compiler for both the C++ and the Python build: unless told, the latter would take the one that
+# Python itself was compiled with, which need not be on this machine.
+ifeq ($(origin CXX),default)
+  CXX := $(shell command -v c++ || command -v g++ || command -v clang++)
+endif
+export CXX
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+
+# A C++ compiler of this project takes up to 1 GB: leave no machine without memory.
+CORES := $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+GIGABYTES := $(shell awk '/MemAvailable/ {print int($$2 / 1048576) + 1}' /proc/meminfo 2>/dev/null || echo 8)
+JOBS ?= $(shell echo "$(CORES) $(GIGABYTES)" | awk '{print ($$1 < $$2) ? $$1 : $$2}')
+export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
+export CTEST_PARALLEL_LEVEL := $(JOBS)
+
+CPP_DIRS := $(wildcard src python/bindings tests bench examples)
+PYTHON_DIRS := $(wildcard python tests tools bench examples)
+CPP_FILES = $(shell find $(CPP_DIRS) -name '*.h' -o -name '*.cpp')
+EXTENSION_INPUTS := CMakeLists.txt $(wildcard cmake/*) \
+  $(shell find $(wildcard src python/bindings) -name '*.h' -o -name '*.cpp')
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test test-cpp test-python lint format bench sanitize install clean
+
+help: ## Show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo "  Variables: PYTHON=python3.12  JOBS=2  MESH=path.ply (demo)  ARGS=... (demo, bench, test-python)"
+
+demo: $(STAMPS)/package ## Build trees of a scene (or MESH=path.ply), trace, plot: results in out/
+	$(BIN)/treelet demo $(if $(MESH),"$(MESH)") $(ARGS)
+
+test: test-cpp test-python ## Run the C++ and the Python tests
+
+test-cpp: $(STAMPS)/native
+	@$(call configured,release)
+	cmake --build --preset release
+	ctest --preset release
+
+test-python: $(STAMPS)/package
+	$(BIN)/python -m pytest $(ARGS)
+
+lint: $(STAMPS)/lint ## Check formatting, style, layering and sizes
+	$(BIN)/ruff check $(PYTHON_DIRS)
+	$(BIN)/ruff format --check $(PYTHON_DIRS)
+	$(BIN)/clang-format --dry-run -Werror $(CPP_FILES)
+	$(BIN)/python tools/check_layers.py
+	$(BIN)/python tools/check_sizes.py
+
+format: $(STAMPS)/lint ## Rewrite the sources in the project's format
+	$(BIN)/ruff check --fix $(PYTHON_DIRS)
+	$(BIN)/ruff format $(PYTHON_DIRS)
+	$(BIN)/clang-format -i $(CPP_FILES)
+
+bench: $(STAMPS)/package ## Measure this machine
+	$(BIN)/treelet bench $(ARGS)
+
+sanitize: $(STAMPS)/native ## Run the C++ tests, without the slow ones, under the sanitizers
+	@$(call configured,asan)
+	cmake --build --preset asan
+	ctest --preset asan
+	@$(call configured,tsan)
+	cmake --build --preset tsan
+	ctest --preset tsan
+
+install: $(STAMPS)/package ## Build the Python package into .venv (editable)
+
+clean: ## Remove everything that make made, .venv included
+	rm -rf build dist out $(VENV)
+
+# Configures build/<preset> once; later changes are noticed by the build itself.
+configured = test -f build/$(1)/build.ninja || cmake --preset $(1) --log-level=WARNING > /dev/null
+
+$(STAMPS)/venv:
+	@echo "Setting up $(VENV) with $$($(PYTHON) --version)"
+	@$(PYTHON) -m venv $(VENV) || { \
+	  echo "Could not create a virtual environment: Python 3.10 or later with venv is needed" \
+	       "(Debian, Ubuntu: apt install python3-venv)." >&2; exit 1; }
+	@$(PIP) install --upgrade "pip>=25.1"
+	@mkdir -p $(STAMPS) && touch $@
+
+$(STAMPS)/native: $(STAMPS)/venv tools/missing_build_tools.py
+	@missing="$$($(BIN)/python tools/missing_build_tools.py)"; \
+	 test -z "$$missing" || { echo "Installing $$missing into $(VENV)"; $(PIP) install $$missing; }
+	@touch $@
+
+$(STAMPS)/lint: $(STAMPS)/venv pyproject.toml
+	@$(PIP) install --group lint
+	@touch $@
+
+$(STAMPS)/build-requirements: $(STAMPS)/native pyproject.toml
+	@$(PIP) install --group build
+	@touch $@
+
+# Editable, so that Python changes need no rebuild; without isolation and with a build folder that
+# stays, so that C++ changes recompile only what they touch.
+$(STAMPS)/package: $(STAMPS)/build-requirements $(EXTENSION_INPUTS)
+	@echo "Building the Python package"
+	@$(PIP) install --no-build-isolation --config-settings=build-dir=build/python \
+	  --editable ".[test]"
+	@touch $@

@@ -1,0 +1,35 @@
+# The library target `treelet`, known to consumers as treelet::treelet.
+
+include(TreeletCompileOptions)
+find_package(Threads REQUIRED)
+
+file(GLOB_RECURSE treelet_sources CONFIGURE_DEPENDS
+  "${PROJECT_SOURCE_DIR}/src/treelet/*.cpp")
+file(GLOB_RECURSE treelet_headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}/src"
+  "${PROJECT_SOURCE_DIR}/src/treelet/*.h")
+
+add_library(treelet ${treelet_sources})
+add_library(treelet::treelet ALIAS treelet)
+
+target_compile_features(treelet PUBLIC cxx_std_20)
+set_target_properties(treelet PROPERTIES
+  CXX_EXTENSIONS OFF
+  POSITION_INDEPENDENT_CODE ON  # the static library also goes into Python's extension module
+  WINDOWS_EXPORT_ALL_SYMBOLS ON
+  VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+
+# A file set, so that installing keeps the folders and the include root follows the package.
+list(TRANSFORM treelet_headers PREPEND "${PROJECT_SOURCE_DIR}/src/" OUTPUT_VARIABLE header_paths)
+target_sources(treelet PUBLIC FILE_SET HEADERS
+  BASE_DIRS "${PROJECT_SOURCE_DIR}/src" FILES ${header_paths})
+
+target_link_libraries(treelet PUBLIC Threads::Threads)
+target_compile_definitions(treelet PRIVATE TREELET_VERSION="${PROJECT_VERSION}")
+if(TREELET_VALIDATE_STAGES)
+  target_compile_definitions(treelet PUBLIC TREELET_VALIDATE_STAGES=1)
+endif()
+
+treelet_exact_floats(treelet PUBLIC)
+treelet_sanitize(treelet PUBLIC)
+treelet_warnings(treelet)
