@@ -1,0 +1,49 @@
+#include <treelet/core/memory.h>
+
+#include <cstdlib>
+#include <new>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+#if defined(_MSC_VER)
+#include <malloc.h>
+#endif
+
+namespace treelet {
+namespace {
+
+constexpr std::size_t kCacheLine = 64;
+constexpr std::size_t kHugePage = std::size_t{2} << 20;
+
+constexpr std::size_t round_up(std::size_t bytes, std::size_t alignment) {
+  return (bytes + alignment - 1) / alignment * alignment;
+}
+
+}  // namespace
+
+void* allocate_bytes(std::size_t bytes) {
+  const std::size_t alignment = bytes >= 2 * kHugePage ? kHugePage : kCacheLine;
+  const std::size_t size = round_up(bytes, alignment);
+  if (size < bytes) throw std::bad_alloc();
+#if defined(_MSC_VER)
+  void* memory = _aligned_malloc(size, alignment);
+#else
+  void* memory = std::aligned_alloc(alignment, size);
+#endif
+  if (memory == nullptr && size > 0) throw std::bad_alloc();
+#if defined(__linux__)
+  if (alignment == kHugePage) madvise(memory, size, MADV_HUGEPAGE);
+#endif
+  return memory;
+}
+
+void free_bytes(void* memory) noexcept {
+#if defined(_MSC_VER)
+  _aligned_free(memory);
+#else
+  std::free(memory);
+#endif
+}
+
+}  // namespace treelet

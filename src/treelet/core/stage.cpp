@@ -1,0 +1,19 @@
+#include <treelet/core/stage.h>
+
+namespace treelet {
+namespace {
+
+thread_local StageRecorder* listener = nullptr;
+
+}  // namespace
+
+StageRecorder::StageRecorder() : outer_(listener) { listener = this; }
+StageRecorder::~StageRecorder() { listener = outer_; }
+
+Stage::~Stage() {
+  if (listener == nullptr) return;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+  listener->stages_.push_back({name_, elapsed.count()});
+}
+
+}  // namespace treelet
