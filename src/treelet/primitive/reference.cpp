@@ -1,0 +1,96 @@
+#include <treelet/primitive/reference.h>
+
+#include <array>
+#include <vector>
+
+#include <treelet/core/parallel.h>
+#include <treelet/core/stage.h>
+
+namespace treelet {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 14;
+
+/// What one range of faces contributes; kinds are counted by TriangleKind.
+struct Summary {
+  Aabb bounds = Aabb::empty();
+  std::array<std::size_t, 3> count{};
+
+  std::size_t& operator[](TriangleKind kind) { return count[std::size_t(kind)]; }
+};
+
+Summary summarize(const Mesh& mesh, std::size_t begin, std::size_t end) {
+  Summary summary;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Triangle triangle = mesh.triangle(i);
+    const TriangleKind kind = classify(triangle);
+    ++summary[kind];
+    if (kind == TriangleKind::regular) summary.bounds = merge(summary.bounds, bounds(triangle));
+  }
+  return summary;
+}
+
+/// k such that the largest extent is in [2^(k-1), 2^k); 0 for a point or nothing.
+int extent_exponent(const Aabb& box) {
+  if (box.is_empty()) return 0;
+  const double x = double(box.upper.x) - box.lower.x;
+  const double y = double(box.upper.y) - box.lower.y;
+  const double z = double(box.upper.z) - box.lower.z;
+  int exponent = 0;
+  std::frexp(std::max({x, y, z}), &exponent);
+  return exponent;
+}
+
+/// Multiplies by 2^-exponent. In double: 2^-exponent itself may be outside the range of float.
+struct PowerOfTwoScale {
+  double factor;
+
+  explicit PowerOfTwoScale(int exponent) : factor(std::ldexp(1.0, -exponent)) {}
+  Vec3 operator()(Vec3 p) const {
+    return {float(p.x * factor), float(p.y * factor), float(p.z * factor)};
+  }
+  Aabb operator()(const Aabb& box) const { return {(*this)(box.lower), (*this)(box.upper)}; }
+};
+
+void fill_range(const Mesh& mesh, std::size_t begin, std::size_t end, const PowerOfTwoScale& scale,
+                Reference* out) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const Triangle triangle = mesh.triangle(i);
+    if (classify(triangle) != TriangleKind::regular) continue;
+    const Aabb box = scale(bounds(triangle));
+    *out++ = {box.lower, std::uint32_t(i), box.upper, 0};
+  }
+}
+
+}  // namespace
+
+References create_references(const Mesh& mesh) {
+  const Stage stage{"create references"};
+  const std::size_t count = mesh.faces.size();
+  std::vector<Summary> summaries((count + kGrain - 1) / kGrain);
+  parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    summaries[begin / kGrain] = summarize(mesh, begin, end);
+  });
+
+  References references;
+  std::vector<std::size_t> offsets;
+  std::size_t total = 0;
+  for (Summary& summary : summaries) {
+    offsets.push_back(total);
+    total += summary[TriangleKind::regular];
+    references.left_out_non_finite += summary[TriangleKind::non_finite];
+    references.left_out_degenerate += summary[TriangleKind::degenerate];
+    references.bounds = merge(references.bounds, summary.bounds);
+  }
+
+  references.scale_exponent = extent_exponent(references.bounds);
+  const PowerOfTwoScale scale(references.scale_exponent);
+  if (total > 0) references.bounds = scale(references.bounds);
+  references.items = Array<Reference>(total);
+  parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    fill_range(mesh, begin, end, scale, references.items.data() + offsets[begin / kGrain]);
+  });
+  return references;
+}
+
+}  // namespace treelet
