@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include <treelet/core/parallel.h>
+#include <treelet/tree/binary_tree.h>
+
+namespace treelet {
+
+/// The tree cut into a top and the subtrees below it, which threads can take one by one.
+struct TreeCut {
+  std::vector<std::uint32_t> top;       ///< internal nodes above the cut, parents first
+  std::vector<std::uint32_t> subtrees;  ///< roots below the cut, from left to right
+};
+
+/// References of a subtree below the cut, at most. A constant, so that what a subtree is never
+/// depends on the machine.
+constexpr std::uint32_t kSubtreeReferences = 4096;
+
+/// Reads only the counts.
+TreeCut cut_tree(const BinaryTree& tree);
+
+/// Internal nodes of the subtree at `root` with at least min_count references, parents first.
+void list_internal_nodes(const BinaryTree& tree, std::uint32_t root, std::uint32_t min_count,
+                         std::vector<std::uint32_t>& nodes);
+
+/// Calls visit(slot) for each internal node of at least min_count references, after its children.
+/// Nodes of different subtrees are visited at the same time. The visitor may rearrange the nodes
+/// below its own slot: all that is still to be visited lies elsewhere or above.
+/// Differs from [Karras2012 s4]: a subtree a task instead of a thread a leaf and atomic counters.
+/// The order within a subtree is the same post-order, and no parent links are needed.
+template <class Visit>
+void visit_bottom_up(const BinaryTree& tree, std::uint32_t min_count, Visit&& visit) {
+  const TreeCut cut = cut_tree(tree);
+  parallel_for_ranges(cut.subtrees.size(), 1, [&](std::size_t begin, std::size_t) {
+    std::vector<std::uint32_t> nodes;
+    list_internal_nodes(tree, cut.subtrees[begin], min_count, nodes);
+    for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) visit(*node);
+  });
+  for (auto node = cut.top.rbegin(); node != cut.top.rend(); ++node) {
+    if (tree.nodes[*node].count >= min_count) visit(*node);
+  }
+}
+
+}  // namespace treelet

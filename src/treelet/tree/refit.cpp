@@ -1,0 +1,48 @@
+#include <treelet/tree/refit.h>
+
+#include <treelet/core/parallel.h>
+#include <treelet/core/stage.h>
+#include <treelet/tree/bottom_up.h>
+
+namespace treelet {
+namespace {
+
+constexpr std::size_t kGrain = 1 << 14;
+constexpr std::uint32_t kAllInternal = 2;  // every internal node has at least two references
+
+}  // namespace
+
+void refit(BinaryTree& tree, const References& references) {
+  const Stage stage{"refit boxes"};
+  auto& nodes = tree.nodes;
+  parallel_for(nodes.size(), kGrain, [&](std::size_t slot) {
+    if (nodes[slot].is_leaf()) nodes[slot].set_box(references.items[nodes[slot].index].box());
+  });
+  visit_bottom_up(tree, kAllInternal, [&](std::uint32_t slot) {
+    BinaryNode& node = nodes[slot];
+    node.set_box(merge(nodes[node.left()].box(), nodes[node.right()].box()));
+  });
+}
+
+Array<float> compute_costs(const BinaryTree& tree, const SahModel& sah) {
+  const auto& nodes = tree.nodes;
+  Array<float> costs(nodes.size());
+  parallel_for(nodes.size(), kGrain, [&](std::size_t slot) {
+    const BinaryNode& node = nodes[slot];
+    costs[slot] = node.is_leaf() ? sah.leaf_cost(half_area(node.box()), 1) : 0.0f;
+  });
+  visit_bottom_up(tree, kAllInternal, [&](std::uint32_t slot) {
+    const BinaryNode& node = nodes[slot];
+    costs[slot] = sah.subtree_cost(half_area(node.box()), costs[node.left()] + costs[node.right()],
+                                   node.count);
+  });
+  return costs;
+}
+
+double sah_cost(const BinaryTree& tree, const SahModel& sah) {
+  if (tree.empty()) return 0.0;
+  const double root_area = half_area(tree.nodes[kRoot].box());
+  return root_area > 0.0 ? compute_costs(tree, sah)[kRoot] / root_area : 0.0;
+}
+
+}  // namespace treelet
