@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+#include <treelet/tree/binary_tree.h>
+#include <treelet/tree/sah.h>
+
+namespace treelet {
+
+struct TreeletConfig {
+  int size = 7;             ///< leaves of a treelet, 4 to 8
+  int rounds = 3;           ///< passes over the tree, 0 to 16
+  std::uint32_t gamma = 0;  ///< references of a treelet root at least, doubled each round; 0: `size`
+};
+
+/// Restructures treelets, small subtrees whose leaves may be subtrees again, to their optimal
+/// topology, bottom-up, in rounds [KarrasAila2013 s3]. Never raises the SAH cost.
+void restructure_treelets(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config);
+
+}  // namespace treelet
