@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <treelet/core/array.h>
+#include <treelet/primitive/reference.h>
+#include <treelet/tree/binary_tree.h>
+#include <treelet/tree/sah.h>
+
+namespace treelet {
+
+/// Which subtrees become leaves, and what each subtree then takes in a packed layout.
+struct LeafCollapse {
+  Array<std::uint8_t> is_leaf;          ///< by slot
+  Array<std::uint32_t> node_count;      ///< by slot: internal nodes left in the subtree
+  Array<std::uint32_t> triangle_count;  ///< by slot: triangles, a leaf's duplicates dropped
+};
+
+/// Turns a subtree into one leaf where that lowers the SAH cost [KarrasAila2013 s3.1]. Only slots
+/// that remain reachable have meaningful entries.
+LeafCollapse collapse_leaves(const BinaryTree& tree, const References& references,
+                             const SahModel& sah);
+
+/// Faces of a subtree, left to right, each once.
+class LeafFaces {
+ public:
+  LeafFaces(const BinaryTree& tree, const References& references)
+      : nodes_(tree.nodes), references_(references.items) {}
+
+  /// Valid until the next call.
+  std::span<const std::uint32_t> collect(std::uint32_t root);
+
+ private:
+  const Array<BinaryNode>& nodes_;
+  const Array<Reference>& references_;
+  std::vector<std::uint32_t> stack_, faces_;
+};
+
+}  // namespace treelet

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <treelet/layout/bvh2.h>
+#include <treelet/primitive/reference.h>
+#include <treelet/tree/binary_tree.h>
+#include <treelet/tree/sah.h>
+
+namespace treelet {
+
+/// Collapses leaves and lays nodes and triangles out for traversal.
+Bvh2 pack_bvh2(const BinaryTree& tree, const References& references, const Mesh& mesh,
+               const SahModel& sah);
+
+}  // namespace treelet

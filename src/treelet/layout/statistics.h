@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <treelet/layout/bvh2.h>
+#include <treelet/tree/sah.h>
+
+namespace treelet {
+
+/// What a packed tree is made of.
+struct TreeStatistics {
+  std::size_t nodes = 0;
+  std::size_t leaves = 0;
+  std::size_t triangles = 0;  ///< in leaves: more than faces after splitting
+  std::size_t bytes = 0;
+  std::uint32_t depth = 0;
+  double sah = 0.0;                         ///< cost of a random ray, in triangle tests
+  std::vector<std::size_t> leaf_histogram;  ///< entry k: leaves of k triangles
+};
+
+TreeStatistics compute_statistics(const Bvh2& bvh, const SahModel& sah);
+
+}  // namespace treelet

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <treelet/layout/bvh2.h>
+
+namespace treelet {
+
+/// What is wrong inside a packed tree, at most 20 sentences; empty for a sound one. Checks that
+/// nodes and triangles are reached once, in depth-first order, and that boxes contain what they
+/// hold.
+std::vector<std::string> validate(const Bvh2& bvh);
+
+/// The same, and whether the triangles are the mesh's regular triangles, unchanged and none
+/// missing. The mesh's indices must have been checked.
+std::vector<std::string> validate(const Bvh2& bvh, const Mesh& mesh);
+
+}  // namespace treelet
