@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <treelet/layout/bvh2.h>
+#include <treelet/traverse/ray_box.h>
+#include <treelet/traverse/ray_triangle.h>
+#include <treelet/traverse/traversal_stack.h>
+#include <treelet/traverse/visitors.h>
+
+namespace treelet {
+
+/// Whether a ray can hit anything: finite origin and direction, a direction that is not zero, and
+/// an interval without NaN. Other rays miss.
+inline bool is_traceable(const Ray& ray) {
+  const float sum = ray.origin.x * 0.0f + ray.origin.y * 0.0f + ray.origin.z * 0.0f +
+                    ray.direction.x * 0.0f + ray.direction.y * 0.0f + ray.direction.z * 0.0f;
+  const bool finite = sum == 0.0f;  // infinity and NaN times zero are NaN
+  return finite && ray.direction != Vec3{0, 0, 0} && ray.t_min <= ray.t_max;
+}
+
+/// One ray's way through the binary layout: nearer children first, farther ones on a stack.
+template <class Visitor>
+class Bvh2Traversal {
+ public:
+  Bvh2Traversal(const Bvh2& bvh, const Ray& ray, TraversalStack& stack, Visitor& visitor)
+      : bvh_(bvh),
+        box_(ray, bvh.bounds),
+        shear_(ray),
+        visitor_(visitor),
+        stack_(stack.entries()),
+        t_min_(box_.to_slab(ray.t_min)),
+        t_limit_(box_.to_slab(visitor.t_limit())) {}
+
+  void run() {
+    std::uint32_t node = 0;
+    do {
+      if (!visit_node(node)) return;
+    } while (next_node(node));
+  }
+
+ private:
+  using Entry = TraversalStack::Entry;
+
+  /// Tests leaf children and queues internal ones, the nearer on top. False when the visitor is
+  /// done.
+  bool visit_node(std::uint32_t index) {
+    visitor_.count_node();
+    const Bvh2Node& node = bvh_.nodes[index];
+    const BoxSpan span[2] = {intersect(box_, node.box[0], t_min_, t_limit_),
+                             intersect(box_, node.box[1], t_min_, t_limit_)};
+    const int nearer = span[1].near < span[0].near;
+    Entry internal[2];
+    int count = 0;
+    for (const int child : {nearer, 1 - nearer}) {
+      if (!span[child].is_hit()) continue;
+      if (!node.is_leaf(child)) {
+        internal[count++] = {node.index[child], span[child].near};
+      } else if (span[child].near <= t_limit_ && visit_leaf(node.index[child], node.count[child])) {
+        return false;
+      }
+    }
+    while (count > 0) stack_[size_++] = internal[--count];
+    return true;
+  }
+
+  bool visit_leaf(std::uint32_t first, std::uint32_t count) {
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      visitor_.count_triangle();
+      const PackedTriangle& packed = bvh_.triangles[i];
+      TriangleHit hit;
+      if (!intersect(shear_, packed.triangle(), hit)) continue;
+      if (visitor_.visit(packed.face, hit)) return true;
+      t_limit_ = box_.to_slab(visitor_.t_limit());
+    }
+    return false;
+  }
+
+  /// Pops until a node begins before the limit, or at it: it may hold an equal t of a smaller face.
+  bool next_node(std::uint32_t& node) {
+    while (size_ > 0) {
+      const Entry entry = stack_[--size_];
+      if (entry.near <= t_limit_) {
+        node = entry.node;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  const Bvh2& bvh_;
+  const RayBox box_;
+  const RayShear shear_;
+  Visitor& visitor_;
+  Entry* const stack_;
+  const float t_min_;
+  float t_limit_;
+  std::uint32_t size_ = 0;
+};
+
+/// Shows the visitor every hit it might want, nearer ones first as far as boxes tell.
+template <class Visitor>
+void traverse(const Bvh2& bvh, const Ray& ray, TraversalStack& stack, Visitor& visitor) {
+  if (bvh.nodes.empty() || !is_traceable(ray)) return;
+  Bvh2Traversal<Visitor>(bvh, ray, stack, visitor).run();
+}
+
+}  // namespace treelet

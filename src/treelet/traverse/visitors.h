@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include <treelet/core/ray.h>
+#include <treelet/traverse/ray_triangle.h>
+
+// A visitor decides what a traversal looks for:
+//
+//     float t_limit()                   no hit beyond this t matters any more
+//     bool visit(face, triangle_hit)    takes a hit of the ray's line; true ends the traversal
+//     void count_node(), count_triangle()
+
+namespace treelet {
+
+/// What tracing a ray took.
+struct Work {
+  std::uint32_t nodes = 0;      ///< whose two children's boxes were tested
+  std::uint32_t triangles = 0;  ///< tested
+};
+
+struct NoCounting {
+  void count_node() {}
+  void count_triangle() {}
+};
+
+struct Counting {
+  Work work;
+  void count_node() { ++work.nodes; }
+  void count_triangle() { ++work.triangles; }
+};
+
+/// Smallest t in [t_min, t_max]; of equal t the smaller face.
+template <class Counter = NoCounting>
+struct ClosestHit : Counter {
+  float t_min, limit;
+  Hit hit;
+
+  explicit ClosestHit(const Ray& ray) : t_min(ray.t_min), limit(ray.t_max) {}
+
+  float t_limit() const { return limit; }
+
+  bool visit(std::uint32_t face, const TriangleHit& candidate) {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    if (!(candidate.t >= t_min && candidate.t <= limit && candidate.t < inf)) return false;
+    if (candidate.t == hit.t && std::int32_t(face) > hit.face) return false;
+    limit = candidate.t;
+    hit = {candidate.t, std::int32_t(face), candidate.u, candidate.v};
+    return false;
+  }
+};
+
+/// Whether anything is hit in [t_min, t_max].
+struct AnyHit : NoCounting {
+  float t_min, t_max;
+  bool found = false;
+
+  explicit AnyHit(const Ray& ray) : t_min(ray.t_min), t_max(ray.t_max) {}
+
+  float t_limit() const { return t_max; }
+
+  bool visit(std::uint32_t, const TriangleHit& candidate) {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    found = candidate.t >= t_min && candidate.t <= t_max && candidate.t < inf;
+    return found;
+  }
+};
+
+}  // namespace treelet
