@@ -1,0 +1,110 @@
+#include <treelet/pipeline/build.h>
+
+#include <array>
+#include <chrono>
+#include <stdexcept>
+
+#include <treelet/build/lbvh.h>
+#include <treelet/build/sweep.h>
+#include <treelet/layout/pack_bvh2.h>
+#include <treelet/layout/validate_bvh2.h>
+#include <treelet/optimize/treelet.h>
+#include <treelet/tree/validate.h>
+
+namespace treelet {
+namespace {
+
+using Builder = BinaryTree (*)(const References&);
+using Optimizer = void (*)(BinaryTree&, const SahModel&, const RecipeStage&);
+
+void run_treelet(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
+  const TreeletConfig config{.size = int(stage.value("size")),
+                             .rounds = int(stage.value("rounds")),
+                             .gamma = std::uint32_t(stage.value("gamma"))};
+  restructure_treelets(tree, sah, config);
+}
+
+template <class Function>
+struct Entry {
+  std::string_view word;
+  Function run;
+};
+
+constexpr std::array<Entry<Builder>, 2> kBuilders{{{"lbvh", build_lbvh}, {"sweep", build_sweep}}};
+constexpr std::array<Entry<Optimizer>, 1> kOptimizers{{{"treelet", run_treelet}}};
+
+template <class Table>
+auto find_function(const Table& table, std::string_view word) {
+  for (const auto& entry : table) {
+    if (entry.word == word) return entry.run;
+  }
+  throw std::logic_error("no function for the recipe word '" + std::string(word) + "'");
+}
+
+void require_sound(std::string_view stage, const std::vector<std::string>& violations) {
+  if (violations.empty()) return;
+  std::string message = "after '" + std::string(stage) + "' the tree is broken:";
+  for (const std::string& violation : violations) message += "\n  " + violation;
+  throw std::logic_error(message);
+}
+
+/// Runs a recipe's stages one after the other.
+class Pipeline {
+ public:
+  Pipeline(const Mesh& mesh, const Recipe& recipe, const BuildOptions& options)
+      : mesh_(mesh), recipe_(recipe), options_(options) {}
+
+  Bvh run() {
+    const StageRecorder recorder;
+    const auto start = std::chrono::steady_clock::now();
+    Bvh bvh;
+    bvh.sah.leaf_limit = std::uint32_t(recipe_.layout.value("leaf"));
+    check_indices(mesh_);
+    const References references = create_references(mesh_);
+    const BinaryTree tree = build_tree(references, bvh.sah);
+    bvh.layout = pack_bvh2(tree, references, mesh_, bvh.sah);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    if (options_.validate) require_sound("bvh2", validate(bvh.layout, mesh_));
+    bvh.report = {.recipe = recipe_.text(),
+                  .stages = recorder.stages(),
+                  .seconds = elapsed.count(),
+                  .faces = mesh_.faces.size(),
+                  .references = references.size(),
+                  .left_out_non_finite = references.left_out_non_finite,
+                  .left_out_degenerate = references.left_out_degenerate,
+                  .tree = compute_statistics(bvh.layout, bvh.sah)};
+    return bvh;
+  }
+
+ private:
+  BinaryTree build_tree(const References& references, const SahModel& sah) const {
+    const std::string_view builder = recipe_.builder.word->name;
+    BinaryTree tree = find_function(kBuilders, builder)(references);
+    check(builder, tree, references);
+    for (const RecipeStage& stage : recipe_.optimizers) {
+      find_function(kOptimizers, stage.word->name)(tree, sah, stage);
+      check(stage.word->name, tree, references);
+    }
+    return tree;
+  }
+
+  void check(std::string_view stage, const BinaryTree& tree, const References& references) const {
+    if (options_.validate) require_sound(stage, validate(tree, references));
+  }
+
+  const Mesh& mesh_;
+  const Recipe& recipe_;
+  const BuildOptions& options_;
+};
+
+}  // namespace
+
+Bvh build(const Mesh& mesh, const Recipe& recipe, const BuildOptions& options) {
+  return Pipeline(mesh, recipe, options).run();
+}
+
+Bvh build(const Mesh& mesh, std::string_view recipe, const BuildOptions& options) {
+  return build(mesh, parse_recipe(recipe), options);
+}
+
+}  // namespace treelet

@@ -1,0 +1,120 @@
+#include <treelet/pipeline/recipe.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <treelet/pipeline/recipe_text.h>
+#include <treelet/pipeline/suggest.h>
+
+namespace treelet {
+namespace {
+
+[[noreturn]] void fail(std::string_view recipe, const std::string& what) {
+  throw std::invalid_argument("recipe \"" + std::string(recipe) + "\": " + what);
+}
+
+std::string format(double value) {
+  return std::to_string(static_cast<long long>(value));  // all parameters are integers
+}
+
+template <class Range>
+std::vector<std::string_view> names_of(const Range& range) {
+  std::vector<std::string_view> names;
+  for (const auto& item : range) names.push_back(item.name);
+  return names;
+}
+
+const RecipeWord& find_word(std::string_view recipe, const std::string& name) {
+  const auto words = recipe_words();
+  const auto found = std::ranges::find(words, name, &RecipeWord::name);
+  if (found != words.end()) return *found;
+  std::vector<std::string_view> known = names_of(words);
+  const bool is_only_word = recipe.find_first_of(">(") == std::string_view::npos;
+  if (is_only_word) {
+    for (const std::string_view preset : names_of(presets())) known.push_back(preset);
+  }
+  const std::string what = is_only_word ? "unknown preset or stage '" : "unknown stage '";
+  fail(recipe, what + name + "'" + suggest(name, known));
+}
+
+void set_argument(std::string_view recipe, RecipeStage& stage, const WrittenStage::Argument& argument) {
+  const auto& parameters = stage.word->parameters;
+  const auto found = std::ranges::find(parameters, argument.name, &WordParameter::name);
+  const std::string place = std::string(stage.word->name) + "(" + argument.name + ")";
+  if (found == parameters.end()) {
+    fail(recipe, "unknown argument " + place + suggest(argument.name, names_of(parameters)));
+  }
+  const bool in_range = argument.value >= found->minimum && argument.value <= found->maximum;
+  if (!in_range || argument.value != std::floor(argument.value)) {
+    fail(recipe, place + " must be a whole number from " + format(found->minimum) + " to " +
+                     format(found->maximum));
+  }
+  stage.values[std::size_t(found - parameters.begin())] = argument.value;
+}
+
+RecipeStage resolve(std::string_view recipe, const WrittenStage& written) {
+  RecipeStage stage{&find_word(recipe, written.word), {}};
+  for (const WordParameter& parameter : stage.word->parameters) {
+    stage.values.push_back(parameter.default_value);
+  }
+  for (const auto& argument : written.arguments) set_argument(recipe, stage, argument);
+  return stage;
+}
+
+void check_order(std::string_view recipe, const std::vector<RecipeStage>& stages) {
+  if (stages.front().word->kind != WordKind::builder) {
+    fail(recipe, "must begin with a builder, not with the " +
+                     std::string(kind_name(stages.front().word->kind)) + " '" +
+                     std::string(stages.front().word->name) + "'");
+  }
+  for (std::size_t i = 1; i < stages.size(); ++i) {
+    const RecipeWord& word = *stages[i].word;
+    const bool is_last = i + 1 == stages.size();
+    if (word.kind == WordKind::builder) {
+      fail(recipe, "has a second builder, '" + std::string(word.name) + "'");
+    }
+    if (word.kind == WordKind::layout && !is_last) {
+      fail(recipe, "the layout '" + std::string(word.name) + "' must come last");
+    }
+  }
+}
+
+std::string expand_preset(std::string_view text) {
+  const auto found = std::ranges::find(presets(), text, &Preset::name);
+  return std::string(found == presets().end() ? text : found->recipe);
+}
+
+std::string stage_text(const RecipeStage& stage) {
+  std::string text(stage.word->name);
+  for (std::size_t i = 0; i < stage.values.size(); ++i) {
+    text += i == 0 ? "(" : ", ";
+    text += std::string(stage.word->parameters[i].name) + "=" + format(stage.values[i]);
+  }
+  return stage.values.empty() ? text : text + ")";
+}
+
+}  // namespace
+
+double RecipeStage::value(std::string_view parameter) const {
+  const auto found = std::ranges::find(word->parameters, parameter, &WordParameter::name);
+  return values.at(std::size_t(found - word->parameters.begin()));
+}
+
+std::string Recipe::text() const {
+  std::string text = stage_text(builder);
+  for (const RecipeStage& optimizer : optimizers) text += " > " + stage_text(optimizer);
+  return text + " > " + stage_text(layout);
+}
+
+Recipe parse_recipe(std::string_view text) {
+  std::vector<RecipeStage> stages;
+  for (const WrittenStage& written : parse_recipe_text(expand_preset(text))) {
+    stages.push_back(resolve(text, written));
+  }
+  check_order(text, stages);
+  if (stages.back().word->kind != WordKind::layout) stages.push_back(resolve(text, {"bvh2", {}}));
+  return {stages.front(), {stages.begin() + 1, stages.end() - 1}, stages.back()};
+}
+
+}  // namespace treelet

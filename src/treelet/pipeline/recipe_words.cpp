@@ -1,0 +1,43 @@
+#include <treelet/pipeline/recipe_words.h>
+
+#include <array>
+
+namespace treelet {
+namespace {
+
+constexpr std::array<WordParameter, 3> kTreeletParameters{{
+    {"size", 7, 4, 8, "leaves of a treelet"},
+    {"rounds", 3, 0, 16, "passes over the tree"},
+    {"gamma", 0, 0, 1e9,
+     "references below a treelet's root at least, doubled each round; 0 stands for size"},
+}};
+
+constexpr std::array<WordParameter, 1> kBvh2Parameters{{
+    {"leaf", 8, 1, 64, "triangles in a leaf at most"},
+}};
+
+constexpr std::array<RecipeWord, 4> kWords{{
+    {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
+    {"sweep", WordKind::builder, "top-down full-sweep SAH: slow, the quality reference", {}},
+    {"treelet", WordKind::optimizer, "optimal restructuring of treelets (Karras and Aila 2013)",
+     kTreeletParameters},
+    {"bvh2", WordKind::layout, "binary nodes with both children's boxes, leaves by SAH",
+     kBvh2Parameters},
+}};
+
+constexpr std::array<Preset, 2> kPresets{{
+    {"fast", "lbvh > bvh2", "quickest build: for a few million rays a frame"},
+    {"balanced", "lbvh > treelet > bvh2", "near-best tree for a little more time: the default"},
+}};
+
+}  // namespace
+
+std::span<const RecipeWord> recipe_words() { return kWords; }
+std::span<const Preset> presets() { return kPresets; }
+
+std::string_view kind_name(WordKind kind) {
+  constexpr std::array<std::string_view, 3> names{"builder", "optimizer", "layout"};
+  return names[std::size_t(kind)];
+}
+
+}  // namespace treelet

@@ -1,0 +1,15 @@
+#pragma once
+
+/// The whole of treelet's C++ interface. Start with build() in pipeline/build.h.
+
+#include <treelet/core/aabb.h>
+#include <treelet/core/parallel.h>
+#include <treelet/core/ray.h>
+#include <treelet/core/vec.h>
+#include <treelet/layout/epo.h>
+#include <treelet/layout/validate_bvh2.h>
+#include <treelet/mesh/mesh.h>
+#include <treelet/pipeline/build.h>
+#include <treelet/pipeline/bvh.h>
+#include <treelet/pipeline/recipe.h>
+#include <treelet/query/intersect.h>
