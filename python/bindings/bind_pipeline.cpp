@@ -1,0 +1,120 @@
+#include <string>
+#include <vector>
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <treelet/layout/epo.h>
+#include <treelet/layout/validate_bvh2.h>
+#include <treelet/pipeline/build.h>
+
+#include "arrays.h"
+#include "bindings.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+nb::str text(std::string_view view) { return nb::str(view.data(), view.size()); }
+
+treelet::Bvh build(const Vec3Array& vertices, const FaceArray& faces, const std::string& recipe,
+                   bool validate) {
+  const treelet::Mesh mesh = as_mesh(vertices, faces);
+  const nb::gil_scoped_release release;
+  treelet::BuildOptions options;
+  options.validate |= validate;
+  return treelet::build(mesh, recipe, options);
+}
+
+nb::dict report(const treelet::Bvh& bvh) {
+  const treelet::BuildReport& report = bvh.report;
+  nb::list stages;
+  for (const treelet::StageTime& stage : report.stages) {
+    stages.append(nb::make_tuple(stage.name, stage.seconds));
+  }
+  nb::dict leaf_histogram;
+  for (std::size_t size = 1; size < report.tree.leaf_histogram.size(); ++size) {
+    if (report.tree.leaf_histogram[size] == 0) continue;
+    leaf_histogram[nb::int_(size)] = report.tree.leaf_histogram[size];
+  }
+  nb::dict result;
+  result["recipe"] = report.recipe;
+  result["stages"] = stages;
+  result["build_seconds"] = report.seconds;
+  result["faces"] = report.faces;
+  result["references"] = report.references;
+  result["left_out_non_finite"] = report.left_out_non_finite;
+  result["left_out_degenerate"] = report.left_out_degenerate;
+  result["nodes"] = report.tree.nodes;
+  result["leaves"] = report.tree.leaves;
+  result["depth"] = report.tree.depth;
+  result["leaf_histogram"] = leaf_histogram;
+  result["bytes"] = report.tree.bytes;
+  result["sah"] = report.tree.sah;
+  return result;
+}
+
+nb::object bounds(const treelet::Bvh& bvh) {
+  const treelet::Aabb& box = bvh.layout.bounds;
+  return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
+                        nb::make_tuple(box.upper.x, box.upper.y, box.upper.z));
+}
+
+double epo(const treelet::Bvh& bvh, std::size_t max_triangles) {
+  const nb::gil_scoped_release release;
+  return treelet::compute_epo(bvh.layout, bvh.sah, max_triangles);
+}
+
+std::vector<std::string> validate_tree(const treelet::Bvh& bvh) {
+  const nb::gil_scoped_release release;
+  return treelet::validate(bvh.layout);
+}
+
+std::vector<std::string> validate_against(const treelet::Bvh& bvh, const Vec3Array& vertices,
+                                          const FaceArray& faces) {
+  const treelet::Mesh mesh = as_mesh(vertices, faces);
+  const nb::gil_scoped_release release;
+  treelet::check_indices(mesh);
+  return treelet::validate(bvh.layout, mesh);
+}
+
+nb::list recipe_words() {
+  nb::list words;
+  for (const treelet::RecipeWord& word : treelet::recipe_words()) {
+    nb::list parameters;
+    for (const treelet::WordParameter& p : word.parameters) {
+      parameters.append(nb::make_tuple(text(p.name), int(p.default_value), int(p.minimum),
+                                       int(p.maximum), text(p.summary)));
+    }
+    words.append(nb::make_tuple(text(word.name), text(treelet::kind_name(word.kind)),
+                                text(word.summary), parameters));
+  }
+  return words;
+}
+
+nb::list presets() {
+  nb::list presets;
+  for (const treelet::Preset& preset : treelet::presets()) {
+    presets.append(nb::make_tuple(text(preset.name), text(preset.recipe), text(preset.summary)));
+  }
+  return presets;
+}
+
+}  // namespace
+
+void bind_pipeline(nb::module_& module) {
+  nb::class_<treelet::Bvh>(module, "Bvh")
+      .def_prop_ro("report", report)
+      .def_prop_ro("bounds", bounds)
+      .def("epo", epo, "max_triangles"_a)
+      .def("validate", validate_tree)
+      .def("validate_against", validate_against, "vertices"_a.noconvert(), "faces"_a.noconvert());
+  module.def("build", build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "recipe"_a,
+             "validate"_a);
+  module.def("canonical_recipe",
+             [](const std::string& recipe) { return treelet::parse_recipe(recipe).text(); },
+             "recipe"_a);
+  module.def("recipe_words", recipe_words);
+  module.def("presets", presets);
+}

@@ -1,0 +1,9 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+// One function a folder of the library that Python sees; module.cpp calls them.
+
+void bind_core(nanobind::module_& module);
+void bind_pipeline(nanobind::module_& module);
+void bind_query(nanobind::module_& module);

@@ -1,0 +1,9 @@
+#include "bindings.h"
+
+NB_MODULE(_core, module) {
+  module.doc() = "treelet's compiled part; use the functions of the package treelet.";
+  module.attr("__version__") = TREELET_VERSION;
+  bind_core(module);
+  bind_pipeline(module);
+  bind_query(module);
+}

@@ -1,0 +1,36 @@
+"""Near-best bounding volume hierarchies for triangle meshes, in milliseconds.
+
+    import treelet
+
+    bvh = treelet.build(vertices, faces)  # (V, 3) floats, (F, 3) integers
+    t, face, u, v = bvh.intersect(origins, directions)  # (..., 3) floats each
+    shadowed = bvh.occluded(origins, directions)
+"""
+
+from ._core import __version__, set_thread_count, thread_count
+from ._inputs import PrecisionWarning
+from .bvh import Bvh, Hits, Work, build, intersect_brute_force
+from .mesh import Mesh, load_mesh
+from .recipes import Parameter, RecipeWord, parse_recipe, presets, recipe_words
+from .report import Report, Stage
+
+__all__ = [
+    "Bvh",
+    "Hits",
+    "Mesh",
+    "Parameter",
+    "PrecisionWarning",
+    "RecipeWord",
+    "Report",
+    "Stage",
+    "Work",
+    "__version__",
+    "build",
+    "intersect_brute_force",
+    "load_mesh",
+    "parse_recipe",
+    "presets",
+    "recipe_words",
+    "set_thread_count",
+    "thread_count",
+]

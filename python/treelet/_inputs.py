@@ -1,0 +1,134 @@
+"""Turns what users pass into the arrays that the compiled part takes, or into an error that helps."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+FloatArray = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
+FaceArray = np.ndarray[tuple[int, int], np.dtype[np.uint32]]
+
+_ROUNDING_TO_WARN = 2.0**-20  # of the extent: 16 times what a mesh around the origin suffers
+
+
+class PrecisionWarning(UserWarning):
+    """Rounding to float32 moved vertices visibly."""
+
+
+class Vertices(NamedTuple):
+    """Converted vertices, and how far the conversion moved one at most."""
+
+    array: FloatArray
+    rounding: float
+
+
+class Rays(NamedTuple):
+    """Converted rays: each array has one row for all rays or one a ray."""
+
+    shape: tuple[int, ...]
+    arguments: tuple[int, FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+def as_vertices(vertices: ArrayLike) -> Vertices:
+    """(V, 3) float32, C-contiguous."""
+    array = _as_numbers(vertices, "vertices")
+    if array.size == 0 and array.ndim == 1:
+        array = array.reshape(0, 3)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"vertices must have shape (V, 3), not {array.shape}")
+    if array.dtype == np.float32:
+        return Vertices(np.ascontiguousarray(array), 0.0)
+    rounded = _to_float32(array)
+    rounding = _largest_rounding(array, rounded)
+    _warn_of_rounding(rounding, rounded)
+    return Vertices(rounded, rounding)
+
+
+def as_faces(faces: ArrayLike, vertex_count: int) -> FaceArray:
+    """(F, 3) uint32, C-contiguous. Indices beyond 32 bits and negative ones are refused here."""
+    array = np.asarray(faces)
+    if array.size == 0 and array.ndim == 1:
+        return np.empty((0, 3), np.uint32)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"faces must hold integers, not {array.dtype}")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"faces must have shape (F, 3), not {array.shape}{_polygon_hint(array)}")
+    if array.size and (array.min() < 0 or array.max() >= vertex_count):
+        _raise_bad_index(array, vertex_count)
+    return np.ascontiguousarray(array, dtype=np.uint32)
+
+
+def as_rays(origins: ArrayLike, directions: ArrayLike, t_min: ArrayLike, t_max: ArrayLike) -> Rays:
+    """Broadcast rays without repeating in memory what is one for all."""
+    points, vectors = _as_vectors(origins, "origins"), _as_vectors(directions, "directions")
+    limits = [_to_float32(_as_numbers(t, name)) for t, name in ((t_min, "t_min"), (t_max, "t_max"))]
+    leading = [points.shape[:-1], vectors.shape[:-1], limits[0].shape, limits[1].shape]
+    try:
+        shape = np.broadcast_shapes(*leading)
+    except ValueError:
+        raise ValueError(
+            f"origins {points.shape}, directions {vectors.shape}, t_min {leading[2]} and t_max {leading[3]} "
+            "cannot be broadcast against each other"
+        ) from None
+    count = math.prod(shape)
+    rows = [_rows(points, (*shape, 3), (3,)), _rows(vectors, (*shape, 3), (3,))]
+    rows += [_rows(limit, shape, ()) for limit in limits]
+    return Rays(shape, (count, *rows))
+
+
+def _as_numbers(values: ArrayLike, name: str) -> np.ndarray[Any, np.dtype[Any]]:
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must hold real numbers, not {array.dtype}")
+    return array
+
+
+def _as_vectors(values: ArrayLike, name: str) -> FloatArray:
+    array = _as_numbers(values, name)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
+    return _to_float32(array)
+
+
+def _to_float32(array: np.ndarray[Any, np.dtype[Any]]) -> FloatArray:
+    with np.errstate(over="ignore"):  # beyond float32 is infinite: a limit means that, a vertex is left out
+        return np.ascontiguousarray(array, dtype=np.float32)
+
+
+def _rows(array: FloatArray, shape: tuple[int, ...], row: tuple[int, ...]) -> FloatArray:
+    """One row for all where the array has one, else one a ray."""
+    if array.size == math.prod(row):
+        return array.reshape(1, *row)
+    return np.ascontiguousarray(np.broadcast_to(array, shape)).reshape(-1, *row)
+
+
+def _largest_rounding(given: np.ndarray[Any, np.dtype[Any]], rounded: FloatArray) -> float:
+    with np.errstate(invalid="ignore"):
+        difference = np.abs(rounded.astype(np.float64) - given)
+    return float(np.max(difference, initial=0.0, where=np.isfinite(difference)))
+
+
+def _warn_of_rounding(rounding: float, rounded: FloatArray) -> None:
+    finite = rounded[np.isfinite(rounded).all(axis=1)].astype(np.float64)
+    extent = float(np.max(np.ptp(finite, axis=0), initial=0.0)) if len(finite) else 0.0
+    if rounding > _ROUNDING_TO_WARN * extent:
+        warnings.warn(
+            f"rounding the vertices to float32 moves them by up to {rounding:.3g}, in a mesh of extent "
+            f"{extent:.3g}: subtract an offset near the mesh from vertices and ray origins first",
+            PrecisionWarning,
+            stacklevel=4,
+        )
+
+
+def _polygon_hint(array: np.ndarray[Any, np.dtype[Any]]) -> str:
+    return ": triangulate the polygons first" if array.ndim == 2 and array.shape[1] > 3 else ""
+
+
+def _raise_bad_index(faces: np.ndarray[Any, np.dtype[Any]], vertex_count: int) -> None:
+    face, corner = np.argwhere((faces < 0) | (faces >= vertex_count))[0]
+    vertices = f"has vertices 0 to {vertex_count - 1}" if vertex_count else "has no vertices"
+    raise ValueError(f"face {face} refers to vertex {faces[face, corner]}, but the mesh {vertices}")

@@ -1,0 +1,74 @@
+"""What a build did."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from . import _core
+
+_EPO_TRIANGLES = 1_000_000
+
+
+class Stage(NamedTuple):
+    """Wall-clock time of one part of a build."""
+
+    name: str
+    seconds: float
+
+
+class Report:
+    """Times, costs and counts of a build. Costs are in triangle tests, times in seconds."""
+
+    recipe: str
+    """The recipe with every argument written out."""
+    stages: list[Stage]
+    """In order of time; their sum is a little below build_seconds."""
+    build_seconds: float
+    """Wall clock from arrays to a tree that can be traced."""
+    faces: int
+    """Faces given."""
+    references: int
+    """What the builder sorted: faces less those left out, plus splits."""
+    left_out_non_finite: int
+    """Faces with a NaN or infinite vertex."""
+    left_out_degenerate: int
+    """Faces with two equal vertices."""
+    nodes: int
+    leaves: int
+    depth: int
+    """Nodes on the longest way from the root to a leaf."""
+    leaf_histogram: dict[int, int]
+    """Leaves by their number of triangles."""
+    bytes: int
+    """Memory of the tree, its triangles included."""
+    sah: float
+    """Surface area heuristic: expected cost of a random ray (1.2 a node, 1 a triangle)."""
+    vertex_rounding: float
+    """How far the conversion to float32 moved a vertex, at most."""
+
+    def __init__(self, core: _core.Bvh, vertex_rounding: float) -> None:
+        self._core = core
+        self.vertex_rounding = vertex_rounding
+        for name, value in core.report.items():
+            setattr(self, name, value)
+        self.stages = [Stage(*stage) for stage in self.stages]
+
+    @cached_property
+    def epo(self) -> float:
+        """End-point overlap (Aila, Karras and Laine 2013): the cost of foreign nodes where rays end.
+
+        Computed at first use, in about the time of a few builds; beyond a million faces it is estimated
+        from a million of them.
+        """
+        return self._core.epo(_EPO_TRIANGLES)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers, strings, lists and dictionaries; computes the EPO."""
+        plain = {name: value for name, value in vars(self).items() if not name.startswith("_")}
+        plain["stages"] = [stage._asdict() for stage in self.stages]
+        plain["epo"] = self.epo
+        return plain
+
+    def __repr__(self) -> str:
+        return f"Report(recipe={self.recipe!r}, build_seconds={self.build_seconds:.4g}, sah={self.sah:.4g}, ...)"
