@@ -1,0 +1,3 @@
+#include <treelet/treelet.h>
+
+int main() { return 0; }
