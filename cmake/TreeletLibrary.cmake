@@ -11,6 +11,14 @@ file(GLOB_RECURSE treelet_headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_D
 add_library(treelet ${treelet_sources})
 add_library(treelet::treelet ALIAS treelet)
 
+# Kernels are compiled once an instruction set and chosen at run time (core/isa.h).
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT MSVC)
+  file(GLOB avx2_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/treelet/*/*_avx2.cpp")
+  file(GLOB avx512_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/treelet/*/*_avx512.cpp")
+  set_source_files_properties(${avx2_sources} PROPERTIES COMPILE_OPTIONS "-march=x86-64-v3")
+  set_source_files_properties(${avx512_sources} PROPERTIES COMPILE_OPTIONS "-march=x86-64-v4")
+endif()
+
 target_compile_features(treelet PUBLIC cxx_std_20)
 set_target_properties(treelet PROPERTIES
   CXX_EXTENSIONS OFF

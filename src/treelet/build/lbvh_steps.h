@@ -9,8 +9,8 @@
 
 // What one index of the LBVH does [Karras2012 s3]; host and device loop over it.
 //
-// Index i owns leaf i and internal node i. In sorted order, node i either begins at i and extends to
-// the right or ends at i and extends to the left:
+// Index i owns leaf i and internal node i. In sorted order, node i either begins at i and extends
+// to the right or ends at i and extends to the left:
 //
 //     codes:      00001 00010 00100 00101 10011 11000 11001 11110
 //     index:        0     1     2     3     4     5     6     7
@@ -19,8 +19,8 @@
 //
 // A node that splits after s has its children in the pair s + 1, so that every index can write its
 // two nodes without knowing their parents: of leaf i and node i, the one that ends at i is the
-// left child of a parent that splits after i (slot 2 (i + 1)), the one that begins at i is the right
-// child of a parent that splits after i - 1 (slot 2 i + 1).
+// left child of a parent that splits after i (slot 2 (i + 1)), the one that begins at i is the
+// right child of a parent that splits after i - 1 (slot 2 i + 1).
 
 namespace treelet {
 

@@ -124,8 +124,8 @@ class SweepBuilder {
     for (std::size_t i = range.begin + 1; i < range.end; ++i) {
       left = merge(left, references_[order[i - 1]].box());
       const std::size_t left_count = i - range.begin, right_count = range.end - i;
-      const double cost =
-          double(half_area(left)) * double(left_count) + double(right_area_[i]) * double(right_count);
+      const double cost = double(half_area(left)) * double(left_count) +
+                          double(right_area_[i]) * double(right_count);
       const std::size_t imbalance = std::max(left_count, right_count);
       const Split split{cost, axis, i, imbalance};
       if (split.better_than(best)) best = split;

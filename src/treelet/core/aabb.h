@@ -20,9 +20,9 @@ struct Aabb {
   TREELET_HD constexpr Vec3 extent() const { return upper - lower; }
 
   TREELET_HD constexpr bool contains(const Aabb& box) const {
-    return box.is_empty() || (lower.x <= box.lower.x && lower.y <= box.lower.y &&
-                              lower.z <= box.lower.z && upper.x >= box.upper.x &&
-                              upper.y >= box.upper.y && upper.z >= box.upper.z);
+    return box.is_empty() ||
+           (lower.x <= box.lower.x && lower.y <= box.lower.y && lower.z <= box.lower.z &&
+            upper.x >= box.upper.x && upper.y >= box.upper.y && upper.z >= box.upper.z);
   }
 
   friend constexpr bool operator==(const Aabb&, const Aabb&) = default;

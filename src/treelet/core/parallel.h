@@ -30,9 +30,9 @@ void parallel_for_ranges(std::size_t count, std::size_t grain, Body&& body) {
     body(begin, std::min(begin + grain, count));
   };
   using Run = decltype(run);
-  detail::run_chunks(
-      (count + grain - 1) / grain,
-      [](void* context, std::size_t chunk) { (*static_cast<Run*>(context))(chunk); }, &run);
+  detail::run_chunks((count + grain - 1) / grain,
+                     [](void* context, std::size_t chunk) { (*static_cast<Run*>(context))(chunk); },
+                     &run);
 }
 
 /// Calls body(i) for each i in [0, count).

@@ -91,10 +91,9 @@ class Bvh2Packer {
 
   void write_node(const Placement& place, LeafFaces& faces, std::vector<Placement>& stack) {
     const std::uint32_t left = tree_.nodes[place.slot].left();
-    const Placement child[2] = {
-        {left, place.node + 1, place.triangle, place.depth + 1},
-        {left + 1, place.node + 1 + collapse_.node_count[left],
-         place.triangle + collapse_.triangle_count[left], place.depth + 1}};
+    const Placement child[2] = {{left, place.node + 1, place.triangle, place.depth + 1},
+                                {left + 1, place.node + 1 + collapse_.node_count[left],
+                                 place.triangle + collapse_.triangle_count[left], place.depth + 1}};
     Bvh2Node& node = bvh_.nodes[place.node];
     for (const int i : {1, 0}) {
       if (collapse_.is_leaf[child[i].slot]) {

@@ -15,8 +15,7 @@ constexpr int kMaxTreeletSize = 8;
 template <class Visit>
 constexpr void for_each_partition(std::uint32_t set, Visit&& visit) {
   const std::uint32_t movable = set & (set - 1);
-  for (std::uint32_t part = movable & (0 - movable); part != 0;
-       part = (part - movable) & movable) {
+  for (std::uint32_t part = movable & (0 - movable); part != 0; part = (part - movable) & movable) {
     visit(part);
   }
 }

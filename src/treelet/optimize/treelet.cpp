@@ -1,10 +1,13 @@
 #include <treelet/optimize/treelet.h>
 
 #include <algorithm>
-#include <array>
-#include <limits>
+#include <span>
+#include <vector>
 
 #include <treelet/core/stage.h>
+#include <treelet/optimize/treelet_batch.h>
+#include <treelet/optimize/treelet_forming.h>
+#include <treelet/optimize/treelet_rewiring.h>
 #include <treelet/optimize/treelet_solver.h>
 #include <treelet/tree/bottom_up.h>
 #include <treelet/tree/refit.h>
@@ -12,128 +15,103 @@
 namespace treelet {
 namespace {
 
-/// A treelet where it lies: its leaves' slots and the pairs of its internal nodes' children.
-///
-///              root              leaves  a b c d        pairs  (x c) (a b) ... as they were opened
-///             /    \             size n: n leaves, n - 1 internal nodes, n - 1 pairs
-///            x      y
-///           / \    / \           Rewiring copies leaves to other slots of the same pairs; what lies
-///          a   b  c   d          below them stays where it is.
-struct Treelet {
-  int size = 0;
-  std::array<std::uint32_t, kMaxTreeletSize> leaf_slots;
-  std::array<std::uint32_t, kMaxTreeletSize - 1> pairs;
+/// What all treelets of a run share.
+struct Restructuring {
+  BinaryTree& tree;
+  Array<float> costs;  // by slot, kept up to date below the nodes that have been visited
+  const SahModel& sah;
+  int size;
 
-  void open(const BinaryTree& tree, int leaf) {
-    const BinaryNode& node = tree.nodes[leaf_slots[leaf]];
-    pairs[size - 1] = node.index;
-    leaf_slots[leaf] = node.left();
-    leaf_slots[size] = node.right();
-    ++size;
+  void update_cost(std::uint32_t slot) {
+    const BinaryNode& node = tree.nodes[slot];
+    costs[slot] = sah.subtree_cost(half_area(node.box()), costs[node.left()] + costs[node.right()],
+                                   node.count);
+  }
+
+  template <class Solution>
+  void replace_if_better(std::uint32_t root, const Treelet& treelet, const Solution& solution) {
+    if (solution.cost((1u << treelet.size) - 1) < costs[root]) {
+      TreeletRewiring<Solution>(tree, costs, treelet, solution).run(root);
+    }
+  }
+
+  void solve_one(std::uint32_t root, const Treelet& treelet) {
+    if (treelet.size < 3) return;  // two leaves have one topology
+    TreeletSolution solution;
+    solve_treelet(gather_leaves(tree, costs, treelet), sah, solution);
+    replace_if_better(root, treelet, solution);
+  }
+
+  void restructure_one(std::uint32_t root) {
+    update_cost(root);
+    solve_one(root, form_treelet(tree, root, size));
   }
 };
 
-/// The treelet leaf of largest area that is no leaf of the tree; -1 if there is none.
-int find_leaf_to_open(const BinaryTree& tree, const Treelet& treelet) {
-  int largest = -1;
-  float largest_area = -std::numeric_limits<float>::infinity();
-  for (int leaf = 0; leaf < treelet.size; ++leaf) {
-    const BinaryNode& node = tree.nodes[treelet.leaf_slots[leaf]];
-    const float area = half_area(node.box());
-    if (!node.is_leaf() && area > largest_area) {
-      largest = leaf;
-      largest_area = area;
-    }
-  }
-  return largest;
-}
-
-/// Grows a treelet from its root by opening the largest leaf [KarrasAila2013 s3.1].
-Treelet form_treelet(const BinaryTree& tree, std::uint32_t root, int size) {
-  Treelet treelet;
-  treelet.size = 1;
-  treelet.leaf_slots[0] = root;
-  treelet.open(tree, 0);
-  while (treelet.size < size) {
-    const int leaf = find_leaf_to_open(tree, treelet);
-    if (leaf < 0) break;
-    treelet.open(tree, leaf);
-  }
-  return treelet;
-}
-
-TreeletLeaves gather_leaves(const BinaryTree& tree, const Array<float>& costs,
-                            const Treelet& treelet) {
-  TreeletLeaves leaves;
-  leaves.size = treelet.size;
-  for (int leaf = 0; leaf < treelet.size; ++leaf) {
-    const std::uint32_t slot = treelet.leaf_slots[leaf];
-    leaves.box[leaf] = tree.nodes[slot].box();
-    leaves.cost[leaf] = costs[slot];
-    leaves.count[leaf] = tree.nodes[slot].count;
-  }
-  return leaves;
-}
-
-/// Lays the solution out over the treelet's own slots.
-class Rewiring {
+/// Gathers treelets that lie side by side in the tree and solves sixteen at once.
+class BatchRestructuring {
  public:
-  Rewiring(BinaryTree& tree, Array<float>& costs, const Treelet& treelet,
-           const TreeletSolution& solution)
-      : tree_(tree), costs_(costs), treelet_(treelet), solution_(solution) {
-    for (int leaf = 0; leaf < treelet.size; ++leaf) {
-      leaves_[leaf] = tree.nodes[treelet.leaf_slots[leaf]];
-    }
+  explicit BatchRestructuring(Restructuring& shared)
+      : shared_(shared), solve_(treelet_batch_solver(best_isa())) {
+    batch_.size = shared.size;
   }
 
-  void run(std::uint32_t root) {
-    struct Item {
-      std::uint32_t set, slot;
-    };
-    std::array<Item, kMaxTreeletSize> stack;  // siblings of the path to a leaf: below size entries
-    int depth = 0;
-    stack[depth++] = {(1u << treelet_.size) - 1, root};
-    while (depth > 0) {
-      const Item item = stack[--depth];
-      costs_[item.slot] = solution_.cost[item.set];
-      if (std::has_single_bit(item.set)) {
-        tree_.nodes[item.slot] = leaves_[std::countr_zero(item.set)];
-        continue;
-      }
-      const std::uint32_t pair = write_internal(item.slot, item.set);
-      const std::uint32_t part = solution_.part[item.set];
-      stack[depth++] = {part, pair + 1};
-      stack[depth++] = {item.set ^ part, pair};
-    }
+  /// No root may be below another.
+  void restructure(std::span<const std::uint32_t> roots) {
+    for (const std::uint32_t root : roots) add(root);
+    flush();
   }
 
  private:
-  std::uint32_t write_internal(std::uint32_t slot, std::uint32_t set) {
-    const std::uint32_t pair = treelet_.pairs[next_pair_++];
-    const Aabb& box = solution_.box[set];
-    tree_.nodes[slot] = {box.lower, pair, box.upper, solution_.count[set]};
-    return pair;
+  struct Member {
+    std::uint32_t root;
+    Treelet treelet;
+    TreeletLeaves leaves;
+  };
+
+  void add(std::uint32_t root) {
+    shared_.update_cost(root);
+    Member& member = members_[std::size_t(count_)];
+    member.root = root;
+    member.treelet = form_treelet(shared_.tree, root, shared_.size);
+    // Few references below: a smaller treelet, which would leave lanes of its batch idle.
+    if (member.treelet.size < shared_.size) return shared_.solve_one(root, member.treelet);
+    member.leaves = gather_leaves(shared_.tree, shared_.costs, member.treelet);
+    batch_.set(count_, member.leaves, shared_.sah);
+    if (++count_ == TreeletBatch::kTreelets) flush();
   }
 
-  BinaryTree& tree_;
-  Array<float>& costs_;
-  const Treelet& treelet_;
-  const TreeletSolution& solution_;
-  std::array<BinaryNode, kMaxTreeletSize> leaves_;
-  int next_pair_ = 0;
+  void flush() {
+    if (count_ == 0) return;
+    for (int idle = count_; idle < TreeletBatch::kTreelets; ++idle) {
+      batch_.set(idle, members_[0].leaves, shared_.sah);
+    }
+    solve_(batch_, shared_.sah, costs_);
+    for (int i = 0; i < count_; ++i) {
+      const Member& member = members_[std::size_t(i)];
+      const TreeletBatchSolution solution(costs_, i, member.leaves);
+      shared_.replace_if_better(member.root, member.treelet, solution);
+    }
+    count_ = 0;
+  }
+
+  Restructuring& shared_;
+  const TreeletBatchSolver solve_;
+  TreeletBatch batch_;
+  TreeletBatchCosts costs_;
+  std::array<Member, TreeletBatch::kTreelets> members_;
+  int count_ = 0;
 };
 
-void restructure_treelet(BinaryTree& tree, Array<float>& costs, std::uint32_t root,
-                         const SahModel& sah, int size) {
-  const BinaryNode& node = tree.nodes[root];
-  costs[root] = sah.subtree_cost(half_area(node.box()), costs[node.left()] + costs[node.right()],
-                                 node.count);
-  const Treelet treelet = form_treelet(tree, root, size);
-  if (treelet.size < 3) return;  // two leaves have one topology
-  TreeletSolution solution;
-  solve_treelet(gather_leaves(tree, costs, treelet), sah, solution);
-  if (solution.cost[(1u << treelet.size) - 1] < costs[root]) {
-    Rewiring(tree, costs, treelet, solution).run(root);
+/// Calls restructure_round(gamma) for each round that has roots.
+template <class RestructureRound>
+void run_rounds(const BinaryTree& tree, const TreeletConfig& config,
+                RestructureRound&& restructure_round) {
+  std::uint32_t gamma = config.gamma == 0 ? std::uint32_t(config.size) : config.gamma;
+  gamma = std::max(gamma, 2u);
+  for (int round = 0; round < config.rounds && gamma <= tree.reference_count(); ++round) {
+    restructure_round(gamma);
+    gamma *= 2;
   }
 }
 
@@ -141,15 +119,23 @@ void restructure_treelet(BinaryTree& tree, Array<float>& costs, std::uint32_t ro
 
 void restructure_treelets(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config) {
   const Stage stage{"restructure treelets"};
-  Array<float> costs = compute_costs(tree, sah);
-  std::uint32_t gamma = config.gamma == 0 ? std::uint32_t(config.size) : config.gamma;
-  gamma = std::max(gamma, 2u);
-  for (int round = 0; round < config.rounds && gamma <= tree.reference_count(); ++round) {
-    visit_bottom_up(tree, gamma, [&](std::uint32_t slot) {
-      restructure_treelet(tree, costs, slot, sah, config.size);
-    });
-    gamma *= 2;
-  }
+  Restructuring shared{tree, compute_costs(tree, sah), sah, config.size};
+  run_rounds(tree, config, [&](std::uint32_t gamma) {
+    visit_levels(
+        tree, gamma, [&] { return BatchRestructuring(shared); },
+        [](BatchRestructuring& batch, std::span<const std::uint32_t> roots) {
+          batch.restructure(roots);
+        });
+  });
+}
+
+void restructure_treelets_one_by_one(BinaryTree& tree, const SahModel& sah,
+                                     const TreeletConfig& config) {
+  const Stage stage{"restructure treelets"};
+  Restructuring shared{tree, compute_costs(tree, sah), sah, config.size};
+  run_rounds(tree, config, [&](std::uint32_t gamma) {
+    visit_bottom_up(tree, gamma, [&](std::uint32_t root) { shared.restructure_one(root); });
+  });
 }
 
 }  // namespace treelet

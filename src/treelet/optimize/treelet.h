@@ -8,13 +8,19 @@
 namespace treelet {
 
 struct TreeletConfig {
-  int size = 7;             ///< leaves of a treelet, 4 to 8
-  int rounds = 3;           ///< passes over the tree, 0 to 16
-  std::uint32_t gamma = 0;  ///< references of a treelet root at least, doubled each round; 0: `size`
+  int size = 7;    ///< leaves of a treelet, 4 to 8
+  int rounds = 3;  ///< passes over the tree, 0 to 16
+  std::uint32_t gamma =
+      0;  ///< references of a treelet root at least, doubled each round; 0: `size`
 };
 
 /// Restructures treelets, small subtrees whose leaves may be subtrees again, to their optimal
 /// topology, bottom-up, in rounds [KarrasAila2013 s3]. Never raises the SAH cost.
 void restructure_treelets(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config);
+
+/// The same, one treelet after the other by the readable solver, and the same bytes: what the fast
+/// one is tested against. About ten times slower.
+void restructure_treelets_one_by_one(BinaryTree& tree, const SahModel& sah,
+                                     const TreeletConfig& config);
 
 }  // namespace treelet

@@ -6,9 +6,9 @@ namespace {
 void solve_single_leaves(const TreeletLeaves& leaves, TreeletSolution& solution) {
   for (int leaf = 0; leaf < leaves.size; ++leaf) {
     const std::size_t set = std::size_t{1} << leaf;
-    solution.box[set] = leaves.box[leaf];
-    solution.cost[set] = leaves.cost[leaf];
-    solution.count[set] = leaves.count[leaf];
+    solution.boxes[set] = leaves.box[leaf];
+    solution.costs[set] = leaves.cost[leaf];
+    solution.counts[set] = leaves.count[leaf];
   }
 }
 
@@ -20,7 +20,7 @@ struct Partition {
 Partition find_best_partition(std::uint32_t set, const TreeletSolution& solution) {
   Partition best;
   for_each_partition(set, [&](std::uint32_t part) {  // ascending: the first of equal costs stays
-    const float cost = solution.cost[part] + solution.cost[set ^ part];
+    const float cost = solution.costs[part] + solution.costs[set ^ part];
     if (cost < best.cost) best = {cost, part};
   });
   return best;
@@ -28,12 +28,12 @@ Partition find_best_partition(std::uint32_t set, const TreeletSolution& solution
 
 void solve_subset(std::uint32_t set, const SahModel& sah, TreeletSolution& solution) {
   const std::uint32_t lowest = set & (0 - set), rest = set ^ lowest;
-  solution.box[set] = merge(solution.box[rest], solution.box[lowest]);
-  solution.count[set] = solution.count[rest] + solution.count[lowest];
+  solution.boxes[set] = merge(solution.boxes[rest], solution.boxes[lowest]);
+  solution.counts[set] = solution.counts[rest] + solution.counts[lowest];
   const Partition best = find_best_partition(set, solution);
-  solution.part[set] = std::uint8_t(best.part);
-  solution.cost[set] =
-      sah.subtree_cost(half_area(solution.box[set]), best.cost, solution.count[set]);
+  solution.parts[set] = std::uint8_t(best.part);
+  solution.costs[set] =
+      sah.subtree_cost(half_area(solution.boxes[set]), best.cost, solution.counts[set]);
 }
 
 }  // namespace

@@ -22,10 +22,16 @@ struct TreeletLeaves {
 struct TreeletSolution {
   static constexpr std::size_t kSubsets = std::size_t{1} << kMaxTreeletSize;
 
-  std::array<Aabb, kSubsets> box;
-  std::array<float, kSubsets> cost;
-  std::array<std::uint32_t, kSubsets> count;
-  std::array<std::uint8_t, kSubsets> part;  ///< one child's leaves; the other child has the rest
+  std::array<Aabb, kSubsets> boxes;
+  std::array<float, kSubsets> costs;
+  std::array<std::uint32_t, kSubsets> counts;
+  std::array<std::uint8_t, kSubsets> parts;
+
+  Aabb box(std::uint32_t set) const { return boxes[set]; }
+  float cost(std::uint32_t set) const { return costs[set]; }
+  std::uint32_t count(std::uint32_t set) const { return counts[set]; }
+  /// One child's leaves; the other child has the rest. For subsets of two leaves and more.
+  std::uint32_t part(std::uint32_t set) const { return parts[set]; }
 };
 
 /// Finds the topology of least SAH cost by dynamic programming over all subsets, smaller ones first

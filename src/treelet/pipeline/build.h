@@ -19,7 +19,8 @@ struct BuildOptions {
 /// range, std::logic_error where validation finds a violation.
 Bvh build(const Mesh& mesh, const Recipe& recipe, const BuildOptions& options = {});
 
-/// The same for a preset ("fast", "balanced") or a recipe's text, as "lbvh > treelet(size=8) > bvh2".
+/// The same for a preset ("fast", "balanced") or a recipe's text, as "lbvh > treelet(size=8) >
+/// bvh2".
 Bvh build(const Mesh& mesh, std::string_view recipe = "balanced", const BuildOptions& options = {});
 
 }  // namespace treelet

@@ -38,7 +38,8 @@ const RecipeWord& find_word(std::string_view recipe, const std::string& name) {
   fail(recipe, what + name + "'" + suggest(name, known));
 }
 
-void set_argument(std::string_view recipe, RecipeStage& stage, const WrittenStage::Argument& argument) {
+void set_argument(std::string_view recipe, RecipeStage& stage,
+                  const WrittenStage::Argument& argument) {
   const auto& parameters = stage.word->parameters;
   const auto found = std::ranges::find(parameters, argument.name, &WordParameter::name);
   const std::string place = std::string(stage.word->name) + "(" + argument.name + ")";

@@ -83,12 +83,13 @@ class Parser {
   }
 
   bool is_word_character(std::size_t i) const {
-    return i < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[i])) || text_[i] == '_');
+    return i < text_.size() &&
+           (std::isalnum(static_cast<unsigned char>(text_[i])) || text_[i] == '_');
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw std::invalid_argument("recipe \"" + std::string(text_) + "\": " + what + " at character " +
-                                std::to_string(position_ + 1));
+    throw std::invalid_argument("recipe \"" + std::string(text_) + "\": " + what +
+                                " at character " + std::to_string(position_ + 1));
   }
 
   std::string_view text_;

@@ -9,7 +9,8 @@ namespace {
 /// A cell coordinate must fit spread_by_2, and float centroids have no more to tell apart.
 constexpr int kMaxBitsPerAxis = 31;
 
-/// Halvings that make extent `a` no longer than `b`, rounded down; as many as there can be if b = 0.
+/// Halvings that make extent `a` no longer than `b`, rounded down; as many as there can be if b =
+/// 0.
 int halvings(double a, double b) {
   if (b <= 0.0) return a > 0.0 ? kMaxBitsPerAxis : 0;
   return std::min(std::ilogb(a / b), kMaxBitsPerAxis);

@@ -20,8 +20,8 @@ constexpr std::size_t kMsdBuckets = std::size_t{1} << kMsdBits;
 constexpr int kLsdBits = 8;
 constexpr std::size_t kLsdBuckets = std::size_t{1} << kLsdBits;
 
-constexpr std::size_t kGrain = 1 << 16;           // entries of one histogram of the parallel pass
-constexpr std::size_t kCacheEntries = 1 << 15;    // 512 KiB: entries and their copy in half an L2
+constexpr std::size_t kGrain = 1 << 16;             // entries of one histogram of the parallel pass
+constexpr std::size_t kCacheEntries = 1 << 15;      // 512 KiB: entries and their copy in half an L2
 constexpr std::size_t kComparisonEntries = 1 << 7;  // below, histograms cost more than comparisons
 
 using Entries = std::span<SortEntry>;

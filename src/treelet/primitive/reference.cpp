@@ -46,9 +46,8 @@ struct PowerOfTwoScale {
   double factor;
 
   explicit PowerOfTwoScale(int exponent) : factor(std::ldexp(1.0, -exponent)) {}
-  Vec3 operator()(Vec3 p) const {
-    return {float(p.x * factor), float(p.y * factor), float(p.z * factor)};
-  }
+  float operator()(float x) const { return float(x * factor) + 0.0f; }  // -0 to +0
+  Vec3 operator()(Vec3 p) const { return {(*this)(p.x), (*this)(p.y), (*this)(p.z)}; }
   Aabb operator()(const Aabb& box) const { return {(*this)(box.lower), (*this)(box.upper)}; }
 };
 

@@ -9,11 +9,11 @@
 //
 // Let u = 2^-24, half an ulp of 1, and R the largest distance, along any axis, from the origin to a
 // side of the scene. Rounding moves a slab's plane along its axis by less than 5u R: u each for the
-// difference, the reciprocal, the product, the padding and the limit it is compared with. A direction
-// component below 2^-22 of the largest is raised to that, which moves the ray by 4u R at most over
-// the scene. So both planes are moved apart by 16u R. The ray brings this padding, the boxes stay
-// exact, and a ray from far away, whose own rounding is larger, gets more.
-// Differs from [Ize2013], who scales t_far alone: that loses ties in t and negative t.
+// difference, the reciprocal, the product, the padding and the limit it is compared with. A
+// direction component below 2^-22 of the largest is raised to that, which moves the ray by 4u R at
+// most over the scene. So both planes are moved apart by 16u R. The ray brings this padding, the
+// boxes stay exact, and a ray from far away, whose own rounding is larger, gets more. Differs from
+// [Ize2013], who scales t_far alone: that loses ties in t and negative t.
 
 namespace treelet {
 

@@ -22,7 +22,9 @@ ShearedVertex shear(const RayShear& ray, Vec3 vertex) {
   return {x * dz - z * dx, y * dz - z * dy, z};
 }
 
-double edge_function(const ShearedVertex& p, const ShearedVertex& q) { return q.x * p.y - q.y * p.x; }
+double edge_function(const ShearedVertex& p, const ShearedVertex& q) {
+  return q.x * p.y - q.y * p.x;
+}
 
 /// The error bound of step 1 with u = 2^-53, and z scaled like x and y.
 double error_bound(const RayShear& ray, const ShearedVertex& a, const ShearedVertex& b,
@@ -40,7 +42,8 @@ double exact_edge_function(const RayShear& ray, Vec3 p, Vec3 q) {
   const auto [kx, ky, kz] = ray.axis;
   const auto permute = [&](Vec3 v) { return Vec3{v[kx], v[ky], v[kz]}; };
   const double dz = ray.direction[kz];
-  return dz * exact_triple_product(permute(ray.direction), permute(ray.origin), permute(q), permute(p));
+  return dz *
+         exact_triple_product(permute(ray.direction), permute(ray.origin), permute(q), permute(p));
 }
 
 bool all_same_sign(double u, double v, double w) {
@@ -58,15 +61,19 @@ RayShear::RayShear(const Ray& ray) : origin(ray.origin), direction(ray.direction
 }
 
 bool intersect_exactly(const RayShear& ray, const Triangle& triangle, TriangleHit& hit) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  constexpr double kAccurateSum = 0x1p26;  // error bounds in a sum: its error moves t by 1u at most
   const ShearedVertex a = shear(ray, triangle.p0);
   const ShearedVertex b = shear(ray, triangle.p1);
   const ShearedVertex c = shear(ray, triangle.p2);
   double u = edge_function(b, c), v = edge_function(c, a), w = edge_function(a, b);
   const double bound = error_bound(ray, a, b, c);
   if (std::min({u, v, w}) < -bound && std::max({u, v, w}) > bound) return false;
-  if (!(std::fabs(u) > bound)) u = exact_edge_function(ray, triangle.p1, triangle.p2);
-  if (!(std::fabs(v) > bound)) v = exact_edge_function(ray, triangle.p2, triangle.p0);
-  if (!(std::fabs(w) > bound)) w = exact_edge_function(ray, triangle.p0, triangle.p1);
+  // Also where all three are small: seen nearly edge-on, signs may be right and t, u, v far off.
+  const double needed = std::fabs(u + v + w) > kAccurateSum * bound ? bound : inf;
+  if (!(std::fabs(u) > needed)) u = exact_edge_function(ray, triangle.p1, triangle.p2);
+  if (!(std::fabs(v) > needed)) v = exact_edge_function(ray, triangle.p2, triangle.p0);
+  if (!(std::fabs(w) > needed)) w = exact_edge_function(ray, triangle.p0, triangle.p1);
   const double sum = u + v + w;
   if (!all_same_sign(u, v, w) || sum == 0.0) return false;
   const double dz = ray.direction[ray.axis[2]];

@@ -16,8 +16,8 @@
 //
 //     U = Cx By - Cy Bx      V = Ax Cy - Ay Cx      W = Bx Ay - By Ax
 //
-// Differs: they call a sign right if rounding treats both triangles of an edge alike. Here signs are
-// right, in three steps, each for the few that the one before leaves undecided:
+// Differs: they call a sign right if rounding treats both triangles of an edge alike. Here signs
+// are right, in three steps, each for the few that the one before leaves undecided:
 //   1. floats with an error bound reject nearly all triangles that are missed;
 //   2. doubles with an error bound decide nearly all others and give t, u, v;
 //   3. exact expansions decide rays through an edge or a vertex (core/exact.h).
@@ -45,14 +45,15 @@ bool intersect_exactly(const RayShear& ray, const Triangle& triangle, TriangleHi
 
 /// Step 1: false only where the line certainly misses.
 ///
-/// With u = 2^-24, z the largest |z| and m the largest sheared |x| or |y| of a vertex, rounding moves
-/// a sheared coordinate by less than 4u z + 2u m, and an edge function by less than
-/// 16u m z + 12u m^2 (to first order). The bound is twice that, plus the smallest normal float for
-/// products that underflow.
+/// With u = 2^-24, z the largest |z| and m the largest sheared |x| or |y| of a vertex, rounding
+/// moves a sheared coordinate by less than 4u z + 2u m, and an edge function by less than 16u m z +
+/// 12u m^2 (to first order). The bound is twice that, plus the smallest normal float for products
+/// that underflow.
 inline bool may_intersect(const RayShear& ray, const Triangle& triangle) {
   constexpr float kError = 0x1p-19f;  // 32u
   const auto [kx, ky, kz] = ray.axis;
-  const Vec3 a = triangle.p0 - ray.origin, b = triangle.p1 - ray.origin, c = triangle.p2 - ray.origin;
+  const Vec3 a = triangle.p0 - ray.origin, b = triangle.p1 - ray.origin,
+             c = triangle.p2 - ray.origin;
   const float ax = a[kx] - ray.shear_x * a[kz], ay = a[ky] - ray.shear_y * a[kz];
   const float bx = b[kx] - ray.shear_x * b[kz], by = b[ky] - ray.shear_y * b[kz];
   const float cx = c[kx] - ray.shear_x * c[kz], cy = c[ky] - ray.shear_y * c[kz];

@@ -1,5 +1,8 @@
 #include <treelet/tree/bottom_up.h>
 
+#include <algorithm>
+#include <numeric>
+
 namespace treelet {
 namespace {
 
@@ -37,6 +40,27 @@ void list_internal_nodes(const BinaryTree& tree, std::uint32_t root, std::uint32
     nodes.push_back(slot);
     return true;
   });
+}
+
+LevelOrder order_by_level(const BinaryTree& tree, std::uint32_t min_count,
+                          std::span<const std::uint32_t> nodes, Array<std::uint32_t>& levels) {
+  const auto level_of_child = [&](std::uint32_t slot) {
+    const BinaryNode& node = tree.nodes[slot];
+    return node.is_leaf() || node.count < min_count ? 0 : levels[slot];
+  };
+  LevelOrder order;
+  for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
+    const BinaryNode& parent = tree.nodes[*node];
+    const std::uint32_t level =
+        std::max(level_of_child(parent.left()), level_of_child(parent.right())) + 1;
+    levels[*node] = level;
+    if (order.ends.size() < level) order.ends.resize(level);
+    ++order.ends[level - 1];
+  }
+  std::exclusive_scan(order.ends.begin(), order.ends.end(), order.ends.begin(), std::size_t{0});
+  order.nodes.resize(nodes.size());
+  for (const std::uint32_t slot : nodes) order.nodes[order.ends[levels[slot] - 1]++] = slot;
+  return order;
 }
 
 }  // namespace treelet

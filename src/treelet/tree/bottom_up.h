@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <treelet/core/parallel.h>
@@ -24,6 +25,19 @@ TreeCut cut_tree(const BinaryTree& tree);
 void list_internal_nodes(const BinaryTree& tree, std::uint32_t root, std::uint32_t min_count,
                          std::vector<std::uint32_t>& nodes);
 
+/// A list of internal nodes by level: those of level k are [ends[k - 1], ends[k]) of nodes. No node
+/// of a level is below another of the same level.
+struct LevelOrder {
+  std::vector<std::uint32_t> nodes;
+  std::vector<std::size_t> ends;
+};
+
+/// Puts nodes (parents first, all of at least min_count references) into levels: a node's level is
+/// one above its children's, those below min_count aside. `levels` holds them by slot; what lies
+/// below the nodes must have been ordered before.
+LevelOrder order_by_level(const BinaryTree& tree, std::uint32_t min_count,
+                          std::span<const std::uint32_t> nodes, Array<std::uint32_t>& levels);
+
 /// Calls visit(slot) for each internal node of at least min_count references, after its children.
 /// Nodes of different subtrees are visited at the same time. The visitor may rearrange the nodes
 /// below its own slot: all that is still to be visited lies elsewhere or above.
@@ -40,6 +54,32 @@ void visit_bottom_up(const BinaryTree& tree, std::uint32_t min_count, Visit&& vi
   for (auto node = cut.top.rbegin(); node != cut.top.rend(); ++node) {
     if (tree.nodes[*node].count >= min_count) visit(*node);
   }
+}
+
+/// Like visit_bottom_up, a level at a time: calls visit(worker, slots) with slots none of which is
+/// below another, so that they can be worked on together. make_worker() makes a task's scratch.
+template <class MakeWorker, class Visit>
+void visit_levels(const BinaryTree& tree, std::uint32_t min_count, MakeWorker&& make_worker,
+                  Visit&& visit) {
+  const TreeCut cut = cut_tree(tree);
+  Array<std::uint32_t> levels(tree.nodes.size());
+  const auto visit_nodes = [&](std::span<const std::uint32_t> nodes) {
+    const LevelOrder order = order_by_level(tree, min_count, nodes, levels);
+    auto worker = make_worker();
+    std::size_t begin = 0;
+    for (const std::size_t end : order.ends) {
+      visit(worker, std::span(order.nodes).subspan(begin, end - begin));
+      begin = end;
+    }
+  };
+  parallel_for(cut.subtrees.size(), 1, [&](std::size_t i) {
+    std::vector<std::uint32_t> nodes;
+    list_internal_nodes(tree, cut.subtrees[i], min_count, nodes);
+    visit_nodes(nodes);
+  });
+  std::vector<std::uint32_t> top = cut.top;
+  std::erase_if(top, [&](std::uint32_t slot) { return tree.nodes[slot].count < min_count; });
+  visit_nodes(top);
 }
 
 }  // namespace treelet

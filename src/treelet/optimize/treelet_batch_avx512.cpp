@@ -1,0 +1,2 @@
+#define TREELET_ISA avx512
+#include <treelet/optimize/treelet_batch_kernel.h>

@@ -1,0 +1,2 @@
+#define TREELET_ISA baseline
+#include <treelet/optimize/treelet_batch_kernel.h>
