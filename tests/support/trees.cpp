@@ -1,10 +1,13 @@
 #include "support/trees.h"
 
+#include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include <treelet/tree/refit.h>
+#include <treelet/tree/validate.h>
 
 #include "support/random.h"
 
@@ -76,9 +79,58 @@ BinaryTree balanced_tree(const References& references, const std::vector<std::ui
   });
 }
 
-bool equal_bytes(const BinaryTree& a, const BinaryTree& b) {
-  return a.nodes.size() == b.nodes.size() &&
-         (a.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.bytes()) == 0);
+BinaryTree balanced_tree(const References& references) {
+  return balanced_tree(references, in_order(references));
+}
+
+std::vector<std::uint32_t> references_below(const BinaryTree& tree, std::uint32_t slot) {
+  std::vector<std::uint32_t> references, stack{slot};
+  while (!stack.empty()) {
+    const BinaryNode& node = tree.nodes[stack.back()];
+    stack.pop_back();
+    if (node.is_leaf()) {
+      references.push_back(node.index);
+      continue;
+    }
+    stack.push_back(node.right());
+    stack.push_back(node.left());
+  }
+  return references;
+}
+
+std::size_t depth(const BinaryTree& tree) {
+  std::size_t deepest = 0;
+  std::vector<std::pair<std::uint32_t, std::size_t>> stack;
+  if (!tree.empty()) stack.push_back({kRoot, 0});
+  while (!stack.empty()) {
+    const auto [slot, level] = stack.back();
+    stack.pop_back();
+    deepest = std::max(deepest, level);
+    if (tree.nodes[slot].is_leaf()) continue;
+    stack.push_back({tree.nodes[slot].left(), level + 1});
+    stack.push_back({tree.nodes[slot].right(), level + 1});
+  }
+  return deepest;
+}
+
+testing::AssertionResult IsSound(const BinaryTree& tree, const References& references) {
+  const std::vector<std::string> violations = validate(tree, references);
+  if (violations.empty()) return testing::AssertionSuccess();
+  testing::AssertionResult result = testing::AssertionFailure();
+  for (const std::string& violation : violations) result << "\n  " << violation;
+  return result;
+}
+
+testing::AssertionResult equal_bytes(const BinaryTree& a, const BinaryTree& b) {
+  if (a.nodes.size() != b.nodes.size()) {
+    return testing::AssertionFailure() << a.nodes.size() << " slots and " << b.nodes.size();
+  }
+  for (std::size_t slot = 0; slot < a.nodes.size(); ++slot) {
+    if (std::memcmp(&a.nodes[slot], &b.nodes[slot], sizeof(BinaryNode)) != 0) {
+      return testing::AssertionFailure() << "slot " << slot << " differs";
+    }
+  }
+  return testing::AssertionSuccess();
 }
 
 }  // namespace treelet::test

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
+#include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include <treelet/primitive/reference.h>
@@ -24,7 +23,20 @@ BinaryTree chain_tree(const References& references);
 /// A balanced tree over the references in this order.
 BinaryTree balanced_tree(const References& references, const std::vector<std::uint32_t>& order);
 
-/// Equality of every slot, the unused one included.
-bool equal_bytes(const BinaryTree& a, const BinaryTree& b);
+/// The same over the references in their own order.
+BinaryTree balanced_tree(const References& references);
+
+/// References below a slot, from left to right.
+std::vector<std::uint32_t> references_below(const BinaryTree& tree, std::uint32_t slot);
+
+/// Edges from the root to the deepest leaf; 0 for a tree of one leaf and for none.
+std::size_t depth(const BinaryTree& tree);
+
+/// EXPECT_TRUE(IsSound(tree, references)): validate() finds nothing; else the message has its
+/// sentences.
+testing::AssertionResult IsSound(const BinaryTree& tree, const References& references);
+
+/// Equality of every slot, the unused one included; else the message has the first that differs.
+testing::AssertionResult equal_bytes(const BinaryTree& a, const BinaryTree& b);
 
 }  // namespace treelet::test

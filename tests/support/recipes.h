@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace treelet::test {
+
+/// Each builder with each layout, bare and with each optimizer, at the defaults and at the ends of
+/// the layout's parameters.
+std::vector<std::string> every_recipe();
+
+}  // namespace treelet::test
