@@ -4,8 +4,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <treelet/layout/epo.h>
-#include <treelet/layout/validate_bvh2.h>
 #include <treelet/pipeline/build.h>
 
 #include "arrays.h"
@@ -51,24 +49,24 @@ nb::dict report(const treelet::Bvh& bvh) {
   result["depth"] = report.tree.depth;
   result["leaf_histogram"] = leaf_histogram;
   result["bytes"] = report.tree.bytes;
-  result["sah"] = report.tree.sah;
+  result["sah"] = report.sah;
   return result;
 }
 
 nb::object bounds(const treelet::Bvh& bvh) {
-  const treelet::Aabb& box = bvh.layout.bounds;
+  const treelet::Aabb box = bvh.bounds();
   return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
                         nb::make_tuple(box.upper.x, box.upper.y, box.upper.z));
 }
 
 double epo(const treelet::Bvh& bvh, std::size_t max_triangles) {
   const nb::gil_scoped_release release;
-  return treelet::compute_epo(bvh.layout, bvh.sah, max_triangles);
+  return bvh.epo(max_triangles);
 }
 
 std::vector<std::string> validate_tree(const treelet::Bvh& bvh) {
   const nb::gil_scoped_release release;
-  return treelet::validate(bvh.layout);
+  return bvh.validate();
 }
 
 std::vector<std::string> validate_against(const treelet::Bvh& bvh, const Vec3Array& vertices,
@@ -76,7 +74,7 @@ std::vector<std::string> validate_against(const treelet::Bvh& bvh, const Vec3Arr
   const treelet::Mesh mesh = as_mesh(vertices, faces);
   const nb::gil_scoped_release release;
   treelet::check_indices(mesh);
-  return treelet::validate(bvh.layout, mesh);
+  return bvh.validate(mesh);
 }
 
 nb::list recipe_words() {

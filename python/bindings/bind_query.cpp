@@ -53,7 +53,7 @@ nb::tuple intersect(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& 
   Hits hits(rays);
   {
     const nb::gil_scoped_release release;
-    treelet::intersect(bvh.layout, batch, hits.arrays());
+    bvh.intersect(batch, hits.arrays());
   }
   return hits.to_python();
 }
@@ -65,7 +65,7 @@ NumpyArray<bool> occluded(const treelet::Bvh& bvh, std::size_t rays, const Vec3A
   Array<bool> occluded(rays);
   {
     const nb::gil_scoped_release release;
-    treelet::find_occluded(bvh.layout, batch, occluded);
+    bvh.find_occluded(batch, occluded);
   }
   return as_numpy(std::move(occluded));
 }
@@ -78,7 +78,7 @@ nb::tuple traversal_cost(const treelet::Bvh& bvh, std::size_t rays, const Vec3Ar
   {
     const nb::gil_scoped_release release;
     Array<treelet::Work> work(rays);
-    treelet::count_work(bvh.layout, batch, work);
+    bvh.count_work(batch, work);
     for (std::size_t i = 0; i < rays; ++i) {
       nodes[i] = work[i].nodes;
       triangles[i] = work[i].triangles;

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 FloatArray = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 FaceArray = np.ndarray[tuple[int, int], np.dtype[np.uint32]]
 
+_PLAIN = ["C_CONTIGUOUS", "ALIGNED"]  # what the compiled part reads; a slice of bytes may not be aligned
 _ROUNDING_TO_WARN = 2.0**-20  # of the extent: 16 times what a mesh around the origin suffers
 
 
@@ -33,6 +34,13 @@ class Rays(NamedTuple):
     arguments: tuple[int, FloatArray, FloatArray, FloatArray, FloatArray]
 
 
+def as_recipe(recipe: str) -> str:
+    """The recipe, if it is text at all; what it says is judged where it is parsed."""
+    if not isinstance(recipe, str):
+        raise TypeError(f"recipe must be text, not {type(recipe).__name__}")
+    return recipe
+
+
 def as_vertices(vertices: ArrayLike) -> Vertices:
     """(V, 3) float32, C-contiguous."""
     array = _as_numbers(vertices, "vertices")
@@ -41,7 +49,7 @@ def as_vertices(vertices: ArrayLike) -> Vertices:
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"vertices must have shape (V, 3), not {array.shape}")
     if array.dtype == np.float32:
-        return Vertices(np.ascontiguousarray(array), 0.0)
+        return Vertices(_to_float32(array), 0.0)
     rounded = _to_float32(array)
     rounding = _largest_rounding(array, rounded)
     _warn_of_rounding(rounding, rounded)
@@ -59,7 +67,7 @@ def as_faces(faces: ArrayLike, vertex_count: int) -> FaceArray:
         raise ValueError(f"faces must have shape (F, 3), not {array.shape}{_polygon_hint(array)}")
     if array.size and (array.min() < 0 or array.max() >= vertex_count):
         _raise_bad_index(array, vertex_count)
-    return np.ascontiguousarray(array, dtype=np.uint32)
+    return np.require(array, np.uint32, _PLAIN)
 
 
 def as_rays(origins: ArrayLike, directions: ArrayLike, t_min: ArrayLike, t_max: ArrayLike) -> Rays:
@@ -96,7 +104,7 @@ def _as_vectors(values: ArrayLike, name: str) -> FloatArray:
 
 def _to_float32(array: np.ndarray[Any, np.dtype[Any]]) -> FloatArray:
     with np.errstate(over="ignore"):  # beyond float32 is infinite: a limit means that, a vertex is left out
-        return np.ascontiguousarray(array, dtype=np.float32)
+        return np.require(array, np.float32, _PLAIN)
 
 
 def _rows(array: FloatArray, shape: tuple[int, ...], row: tuple[int, ...]) -> FloatArray:

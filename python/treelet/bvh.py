@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._inputs import FloatArray, as_faces, as_rays, as_vertices
+from ._inputs import FloatArray, as_faces, as_rays, as_recipe, as_vertices
 from .report import Report
 
 __all__ = ["Bvh", "Hits", "Work", "build", "intersect_brute_force"]
@@ -160,17 +160,17 @@ def build(
             than a millionth of the mesh's extent, a `treelet.PrecisionWarning` says so.
         faces: (F, 3) integer indices into vertices.
         recipe: the name of a preset (see `treelet.presets`) or the text of a recipe, such as
-            "lbvh > treelet(size=8) > bvh2" (see `treelet.recipe_words`).
+            "lbvh > treelet(size=8) > bvh8" (see `treelet.recipe_words`).
         validate: check the tree after every stage; about doubles the time.
 
     Raises:
         ValueError: for a wrong shape, a face index out of range (the first is named) or a bad recipe.
-        TypeError: for arrays that do not hold numbers, or faces that are not integers.
+        TypeError: for arrays that do not hold numbers, faces that are no integers, a recipe that is no text.
         RuntimeError: where validation finds a violation, which is a bug in treelet.
     """
     points = as_vertices(vertices)
     corners = as_faces(faces, len(points.array))
-    return Bvh(_core.build(points.array, corners, recipe, validate), points.rounding)
+    return Bvh(_core.build(points.array, corners, as_recipe(recipe), validate), points.rounding)
 
 
 def intersect_brute_force(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from . import _core
+from ._inputs import as_recipe
 
 
 class Parameter(NamedTuple):
@@ -45,5 +46,6 @@ def parse_recipe(text: str) -> str:
 
     Raises:
         ValueError: that says which word, argument or value is wrong and what there is.
+        TypeError: for what is not text.
     """
-    return _core.canonical_recipe(text)
+    return _core.canonical_recipe(as_recipe(text))

@@ -7,7 +7,7 @@
 #include <treelet/core/ray.h>
 #include <treelet/core/vec.h>
 #include <treelet/layout/epo.h>
-#include <treelet/layout/validate_bvh2.h>
+#include <treelet/layout/validate_layout.h>
 #include <treelet/mesh/mesh.h>
 #include <treelet/pipeline/build.h>
 #include <treelet/pipeline/bvh.h>

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "support/mesh_params.h"
 #include "support/meshes.h"
 #include "support/random.h"
 #include "support/threads.h"
@@ -47,7 +48,7 @@ float least_cost(const References& references, const SahModel& sah) {
   }
   TreeletSolution solution;
   solve_treelet(leaves, sah, solution);
-  return solution.cost((std::size_t{1} << leaves.size) - 1);
+  return solution.cost((1u << leaves.size) - 1);
 }
 
 float root_cost(const BinaryTree& tree, const SahModel& sah) {
@@ -98,7 +99,7 @@ TEST_P(RestructureHardMesh, WithoutRoundsNothingChanges) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, RestructureHardMesh, testing::ValuesIn(test::hard_meshes()),
-                         [](const auto& test) { return test.param.name; });
+                         test::mesh_name);
 
 TEST(Restructure, TellsInterleavedHalvesApart) {
   // The two clusters 0 1 and 100 101, paired across: (0 100) (1 101).

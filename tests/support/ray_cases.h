@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <ostream>
 #include <string>
 
 #include <treelet/core/ray.h>
@@ -33,6 +34,8 @@ inline constexpr std::array kAims{
     Aim::nearby,          Aim::vertex,        Aim::edge,      Aim::grid_vertex, Aim::grid_edge,
     Aim::grid_along_edge, Aim::grid_in_plane, Aim::grid_axis, Aim::far_away,    Aim::one_ulp_off};
 std::string name(Aim aim);
+/// What GoogleTest prints of a parameter.
+inline std::ostream& operator<<(std::ostream& out, Aim aim) { return out << name(aim); }
 
 RayCase random_case(Random& random, Aim aim);
 

@@ -1,83 +1,172 @@
-// Floats side by side, as many as a register holds, for kernels that are compiled once an
-// instruction set. Included without a guard by files that define TREELET_ISA, the namespace of
-// their copy. A kernel must force everything inline and call no inline function of another header:
-// the linker merges those by name, and would be free to keep the copy that only newer processors
-// run.
+// Floats side by side, for kernels that are compiled once an instruction set. Included without a
+// guard by files that define TREELET_ISA, the namespace of their copy. A kernel must call no inline
+// function of another header unless that is TREELET_INLINE: the linker merges others by name, and
+// would be free to keep the copy that only newer processors run.
+
+#include <treelet/core/platform.h>
 
 #if !defined(TREELET_ISA)
 #error "define TREELET_ISA as baseline, avx2 or avx512 before including core/lanes.h"
 #endif
 
-#if defined(__GNUC__)
-#define TREELET_INLINE inline __attribute__((always_inline))
-#else
-#define TREELET_INLINE inline
+#if defined(__SSE2__)
+#include <immintrin.h>
 #endif
 
 namespace treelet::TREELET_ISA {
 namespace {
 
+/// Floats in a register.
 #if defined(__AVX512F__)
-constexpr int kLanes = 16;
+constexpr int kNativeLanes = 16;
 #elif defined(__AVX__)
-constexpr int kLanes = 8;
+constexpr int kNativeLanes = 8;
 #else
-constexpr int kLanes = 4;
+constexpr int kNativeLanes = 4;
 #endif
 
 #if defined(__GNUC__)
 
-using Lanes = float __attribute__((vector_size(4 * kLanes)));
+// One by one: GCC ignores a vector size that depends on a template's parameter.
+template <int N>
+struct LanesType;
+template <>
+struct LanesType<4> {
+  using Type = float __attribute__((vector_size(16)));
+};
+template <>
+struct LanesType<8> {
+  using Type = float __attribute__((vector_size(32)));
+};
+template <>
+struct LanesType<16> {
+  using Type = float __attribute__((vector_size(64)));
+};
+template <int N>
+using Lanes = typename LanesType<N>::Type;
 
-TREELET_INLINE Lanes broadcast(float x) { return Lanes{} + x; }
-// Both compile to one instruction; of equal values the first operand wins, as in core/vec.h.
-TREELET_INLINE Lanes min(Lanes a, Lanes b) { return b < a ? b : a; }
-TREELET_INLINE Lanes max(Lanes a, Lanes b) { return a < b ? b : a; }
-TREELET_INLINE Lanes select_if_at_most(Lanes x, Lanes limit, Lanes yes, Lanes no) {
+// Each is one instruction; of equal values the first operand wins, as in core/vec.h, and so does the
+// first where the second is NaN.
+template <class L>
+TREELET_INLINE L min(L a, L b) {
+  return b < a ? b : a;
+}
+template <class L>
+TREELET_INLINE L max(L a, L b) {
+  return a < b ? b : a;
+}
+template <class L>
+TREELET_INLINE L select_if_at_most(L x, L limit, L yes, L no) {
   return x <= limit ? yes : no;
+}
+template <class L>
+TREELET_INLINE L broadcast(float x) {
+  return L{} + x;
 }
 
 #else
 
-struct alignas(4 * kLanes) Lanes {
-  float value[kLanes];
+template <int N>
+struct alignas(4 * N) Lanes {
+  float value[N];
+
+  float operator[](int i) const { return value[i]; }
 };
 
-template <class Operation>
-TREELET_INLINE Lanes lane_by_lane(Operation operation) {
-  Lanes result;
-  for (int i = 0; i < kLanes; ++i) result.value[i] = operation(i);
+template <int N, class Operation>
+TREELET_INLINE Lanes<N> lane_by_lane(Operation operation) {
+  Lanes<N> result;
+  for (int i = 0; i < N; ++i) result.value[i] = operation(i);
   return result;
 }
-TREELET_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {
-  return lane_by_lane([&](int i) { return a.value[i] + b.value[i]; });
+template <int N>
+TREELET_INLINE Lanes<N> operator+(const Lanes<N>& a, const Lanes<N>& b) {
+  return lane_by_lane<N>([&](int i) { return a[i] + b[i]; });
 }
-TREELET_INLINE Lanes operator-(const Lanes& a, const Lanes& b) {
-  return lane_by_lane([&](int i) { return a.value[i] - b.value[i]; });
+template <int N>
+TREELET_INLINE Lanes<N> operator-(const Lanes<N>& a, const Lanes<N>& b) {
+  return lane_by_lane<N>([&](int i) { return a[i] - b[i]; });
 }
-TREELET_INLINE Lanes operator*(const Lanes& a, const Lanes& b) {
-  return lane_by_lane([&](int i) { return a.value[i] * b.value[i]; });
+template <int N>
+TREELET_INLINE Lanes<N> operator-(const Lanes<N>& a) {
+  return lane_by_lane<N>([&](int i) { return -a[i]; });
 }
-TREELET_INLINE Lanes broadcast(float x) {
-  return lane_by_lane([&](int) { return x; });
+template <int N>
+TREELET_INLINE Lanes<N> operator*(const Lanes<N>& a, const Lanes<N>& b) {
+  return lane_by_lane<N>([&](int i) { return a[i] * b[i]; });
 }
-TREELET_INLINE Lanes min(const Lanes& a, const Lanes& b) {
-  return lane_by_lane([&](int i) { return b.value[i] < a.value[i] ? b.value[i] : a.value[i]; });
+template <int N>
+TREELET_INLINE Lanes<N> min(const Lanes<N>& a, const Lanes<N>& b) {
+  return lane_by_lane<N>([&](int i) { return b[i] < a[i] ? b[i] : a[i]; });
 }
-TREELET_INLINE Lanes max(const Lanes& a, const Lanes& b) {
-  return lane_by_lane([&](int i) { return a.value[i] < b.value[i] ? b.value[i] : a.value[i]; });
+template <int N>
+TREELET_INLINE Lanes<N> max(const Lanes<N>& a, const Lanes<N>& b) {
+  return lane_by_lane<N>([&](int i) { return a[i] < b[i] ? b[i] : a[i]; });
 }
-TREELET_INLINE Lanes select_if_at_most(const Lanes& x, const Lanes& limit, const Lanes& yes,
-                                       const Lanes& no) {
-  return lane_by_lane(
-      [&](int i) { return x.value[i] <= limit.value[i] ? yes.value[i] : no.value[i]; });
+template <int N>
+TREELET_INLINE Lanes<N> select_if_at_most(const Lanes<N>& x, const Lanes<N>& limit,
+                                          const Lanes<N>& yes, const Lanes<N>& no) {
+  return lane_by_lane<N>([&](int i) { return x[i] <= limit[i] ? yes[i] : no[i]; });
+}
+template <class L>
+TREELET_INLINE L broadcast(float x) {
+  L result;
+  for (float& value : result.value) value = x;
+  return result;
 }
 
 #endif
 
-/// From memory aligned to a register.
-TREELET_INLINE Lanes load(const float* values) { return *reinterpret_cast<const Lanes*>(values); }
-TREELET_INLINE void store(float* values, Lanes lanes) { *reinterpret_cast<Lanes*>(values) = lanes; }
+#if defined(__AVX512VL__)
+#define TREELET_COMPARE_256(a, b, op) unsigned(_mm256_cmp_ps_mask((__m256)a, (__m256)b, op))
+#define TREELET_COMPARE_128(a, b, op) unsigned(_mm_cmp_ps_mask((__m128)a, (__m128)b, op))
+#elif defined(__AVX__)
+#define TREELET_COMPARE_256(a, b, op) \
+  unsigned(_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, op)))
+#define TREELET_COMPARE_128(a, b, op) unsigned(_mm_movemask_ps(_mm_cmp_ps((__m128)a, (__m128)b, op)))
+#endif
+
+/// Bit i: a[i] <= b[i], and neither is NaN.
+template <class L>
+TREELET_INLINE unsigned at_most_mask(L a, L b) {
+#if defined(__AVX__)
+  if constexpr (sizeof(L) == 32) return TREELET_COMPARE_256(a, b, _CMP_LE_OQ);
+  if constexpr (sizeof(L) == 16) return TREELET_COMPARE_128(a, b, _CMP_LE_OQ);
+#elif defined(__SSE2__) && defined(__GNUC__)
+  if constexpr (sizeof(L) == 16) {
+    return unsigned(_mm_movemask_ps(_mm_cmple_ps((__m128)a, (__m128)b)));
+  }
+#endif
+  unsigned mask = 0;
+  for (unsigned i = 0; i < sizeof(L) / sizeof(float); ++i) mask |= unsigned(a[i] <= b[i]) << i;
+  return mask;
+}
+
+/// Bit i: a[i] < b[i], and neither is NaN.
+template <class L>
+TREELET_INLINE unsigned less_mask(L a, L b) {
+#if defined(__AVX__)
+  if constexpr (sizeof(L) == 32) return TREELET_COMPARE_256(a, b, _CMP_LT_OQ);
+  if constexpr (sizeof(L) == 16) return TREELET_COMPARE_128(a, b, _CMP_LT_OQ);
+#elif defined(__SSE2__) && defined(__GNUC__)
+  if constexpr (sizeof(L) == 16) {
+    return unsigned(_mm_movemask_ps(_mm_cmplt_ps((__m128)a, (__m128)b)));
+  }
+#endif
+  unsigned mask = 0;
+  for (unsigned i = 0; i < sizeof(L) / sizeof(float); ++i) mask |= unsigned(a[i] < b[i]) << i;
+  return mask;
+}
+
+/// From and to memory aligned to the lanes.
+template <class L>
+TREELET_INLINE L load(const float* values) {
+  return *reinterpret_cast<const L*>(values);
+}
+template <class L>
+TREELET_INLINE void store(float* values, L lanes) {
+  *reinterpret_cast<L*>(values) = lanes;
+}
 
 }  // namespace
 }  // namespace treelet::TREELET_ISA

@@ -16,6 +16,8 @@ struct alignas(64) Bvh2Node {
   std::array<std::uint32_t, 2> count;  ///< triangles of a leaf; 0 for an internal child
 
   bool is_leaf(int child) const { return count[child] > 0; }
+  /// The place beside a tree's only leaf: no child, for the root is nobody's.
+  bool is_none(int child) const { return count[child] == 0 && index[child] == 0; }
 };
 static_assert(sizeof(Bvh2Node) == 64);
 

@@ -1,10 +1,12 @@
 #include <treelet/layout/epo.h>
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include <treelet/core/parallel.h>
+#include <treelet/layout/child_view.h>
 #include <treelet/layout/clip.h>
 #include <treelet/primitive/radix_sort.h>
 
@@ -18,27 +20,34 @@ struct Areas {
   double surface = 0.0;
 };
 
-/// Run of triangles below each node, which is one run because the order is depth first.
-struct TriangleRun {
-  std::uint32_t begin, end;
+/// Positions below each node, which are one run because the order is depth first.
+struct Run {
+  std::size_t begin = std::numeric_limits<std::size_t>::max(), end = 0;
 };
 
-Array<TriangleRun> find_runs(const Bvh2& bvh) {
-  Array<TriangleRun> runs(bvh.nodes.size());
-  for (std::size_t i = bvh.nodes.size(); i-- > 0;) {
-    const Bvh2Node& node = bvh.nodes[i];
-    runs[i].begin = node.is_leaf(0) ? node.index[0] : runs[node.index[0]].begin;
-    runs[i].end = node.is_leaf(1) ? node.index[1] + node.count[1] : runs[node.index[1]].end;
+template <class Layout>
+std::vector<Run> find_runs(const Layout& bvh) {
+  std::vector<Run> runs(bvh.nodes.size());
+  for (std::uint32_t node = std::uint32_t(bvh.nodes.size()); node-- > 0;) {
+    for (int i = 0; i < children_per_node(bvh); ++i) {
+      const ChildView child = child_of(bvh, node, i);
+      if (child.box.is_empty()) continue;
+      const Run run = child.is_leaf ? Run{child.begin, child.end} : runs[child.node];
+      runs[node] = {std::min(runs[node].begin, run.begin), std::max(runs[node].end, run.end)};
+    }
   }
   return runs;
 }
 
-/// Positions in leaf order by face: a split face has several.
-Array<SortEntry> sort_by_face(const Bvh2& bvh) {
-  Array<SortEntry> entries(bvh.triangles.size());
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    entries[i] = {bvh.triangles[i].face, std::uint32_t(i)};
+/// Positions by face: a split face has several.
+template <class Layout>
+Array<SortEntry> sort_by_face(const Layout& bvh) {
+  std::vector<SortEntry> found;
+  for (std::size_t i = 0; i < position_count(bvh); ++i) {
+    if (has_triangle(bvh, i)) found.push_back({face_at(bvh, i), std::uint32_t(i)});
   }
+  Array<SortEntry> entries(found.size());
+  std::copy(found.begin(), found.end(), entries.begin());
   radix_sort(entries);
   return entries;
 }
@@ -52,9 +61,10 @@ std::vector<std::size_t> find_face_starts(const Array<SortEntry>& by_face) {
   return starts;
 }
 
+template <class Layout>
 class EndPointOverlap {
  public:
-  EndPointOverlap(const Bvh2& bvh, const SahModel& sah)
+  EndPointOverlap(const Layout& bvh, const SahModel& sah)
       : bvh_(bvh),
         sah_(sah),
         runs_(find_runs(bvh)),
@@ -86,51 +96,57 @@ class EndPointOverlap {
   void add_face(std::size_t rank, Areas& areas) const {
     const Positions positions(by_face_.begin() + face_starts_[rank],
                               by_face_.begin() + face_starts_[rank + 1]);
-    const ClippedTriangle whole(bvh_.triangles[positions.front().value].triangle());
+    const ClippedTriangle whole(triangle_at(bvh_, positions.front().value));
     areas.surface += whole.area();
     std::vector<Visit> stack{{0, whole}};
     while (!stack.empty()) {
       const Visit visit = stack.back();
       stack.pop_back();
-      for (const int child : {0, 1}) add_child(visit, child, positions, stack, areas);
+      for (int i = 0; i < children_per_node(bvh_); ++i) {
+        const ChildView child = child_of(bvh_, visit.node, i);
+        if (!child.box.is_empty()) add_child(child, visit.polygon, positions, stack, areas);
+      }
     }
   }
 
-  void add_child(const Visit& visit, int child, Positions positions, std::vector<Visit>& stack,
-                 Areas& areas) const {
-    const Bvh2Node& node = bvh_.nodes[visit.node];
-    ClippedTriangle polygon = visit.polygon;
-    if (!in_subtree(node, child, positions)) {
-      polygon.clip(node.box[child]);
+  void add_child(const ChildView& child, ClippedTriangle polygon, Positions positions,
+                 std::vector<Visit>& stack, Areas& areas) const {
+    if (!in_subtree(child, positions)) {
+      polygon.clip(child.box);
       if (polygon.size == 0) return;
-      const double cost = node.is_leaf(child) ? double(sah_.intersection_cost) * node.count[child]
-                                              : double(sah_.traversal_cost);
-      areas.overlap += cost * polygon.area();
+      areas.overlap += own_weight(bvh_, child, sah_) * polygon.area();
     }
-    if (!node.is_leaf(child)) stack.push_back({node.index[child], polygon});
+    if (!child.is_leaf) stack.push_back({child.node, polygon});
   }
 
-  bool in_subtree(const Bvh2Node& node, int child, Positions positions) const {
-    TriangleRun run{node.index[child], node.index[child] + node.count[child]};
-    if (!node.is_leaf(child)) run = runs_[node.index[child]];
+  bool in_subtree(const ChildView& child, Positions positions) const {
+    const Run run = child.is_leaf ? Run{child.begin, child.end} : runs_[child.node];
     const auto found =
         std::lower_bound(positions.begin(), positions.end(), run.begin,
-                         [](const SortEntry& p, std::uint32_t begin) { return p.value < begin; });
+                         [](const SortEntry& p, std::size_t begin) { return p.value < begin; });
     return found != positions.end() && found->value < run.end;
   }
 
-  const Bvh2& bvh_;
+  const Layout& bvh_;
   const SahModel& sah_;
-  const Array<TriangleRun> runs_;
+  const std::vector<Run> runs_;
   const Array<SortEntry> by_face_;
   const std::vector<std::size_t> face_starts_;
 };
 
+template <class Layout>
+double compute(const Layout& bvh, const SahModel& sah, std::size_t max_triangles) {
+  if (bvh.nodes.empty()) return 0.0;
+  return EndPointOverlap<Layout>(bvh, sah).compute(max_triangles);
+}
+
 }  // namespace
 
 double compute_epo(const Bvh2& bvh, const SahModel& sah, std::size_t max_triangles) {
-  if (bvh.nodes.empty() || bvh.is_single_leaf()) return 0.0;
-  return EndPointOverlap(bvh, sah).compute(max_triangles);
+  return compute(bvh, sah, max_triangles);
+}
+double compute_epo(const Bvh8& bvh, const SahModel& sah, std::size_t max_triangles) {
+  return compute(bvh, sah, max_triangles);
 }
 
 }  // namespace treelet

@@ -88,8 +88,10 @@ std::span<const std::uint32_t> LeafFaces::collect(std::uint32_t root) {
       stack_.push_back(node.left());
       continue;
     }
-    const std::uint32_t face = references_[node.index].face;
-    if (std::find(faces_.begin(), faces_.end(), face) == faces_.end()) faces_.push_back(face);
+    const std::uint32_t face = references_.items[node.index].face;
+    const bool is_repeated = references_.may_repeat_faces &&
+                             std::find(faces_.begin(), faces_.end(), face) != faces_.end();
+    if (!is_repeated) faces_.push_back(face);
   }
   return faces_;
 }

@@ -27,14 +27,14 @@ LeafCollapse collapse_leaves(const BinaryTree& tree, const References& reference
 class LeafFaces {
  public:
   LeafFaces(const BinaryTree& tree, const References& references)
-      : nodes_(tree.nodes), references_(references.items) {}
+      : nodes_(tree.nodes), references_(references) {}
 
   /// Valid until the next call.
   std::span<const std::uint32_t> collect(std::uint32_t root);
 
  private:
   const Array<BinaryNode>& nodes_;
-  const Array<Reference>& references_;
+  const References& references_;
   std::vector<std::uint32_t> stack_, faces_;
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <treelet/layout/bvh2.h>
+#include <treelet/layout/bvh8.h>
 #include <treelet/tree/sah.h>
 
 namespace treelet {
@@ -16,10 +17,12 @@ struct TreeStatistics {
   std::size_t triangles = 0;  ///< in leaves: more than faces after splitting
   std::size_t bytes = 0;
   std::uint32_t depth = 0;
-  double sah = 0.0;                         ///< cost of a random ray, in triangle tests
+  double sah = 0.0;  ///< cost of a random ray in this layout, in triangle tests; a node counts once
+                     ///< whatever its width, so compare within one layout
   std::vector<std::size_t> leaf_histogram;  ///< entry k: leaves of k triangles
 };
 
 TreeStatistics compute_statistics(const Bvh2& bvh, const SahModel& sah);
+TreeStatistics compute_statistics(const Bvh8& bvh, const SahModel& sah);
 
 }  // namespace treelet

@@ -1,5 +1,6 @@
-#include <treelet/layout/validate_bvh2.h>
+#include <treelet/layout/validate_layout.h>
 
+#include <treelet/layout/child_view.h>
 #include <treelet/tree/violations.h>
 
 namespace treelet {
@@ -10,10 +11,11 @@ std::string name(std::uint32_t node, int child) {
 }
 
 /// Checks the tree itself.
+template <class Layout>
 class TreeValidator {
  public:
-  TreeValidator(const Bvh2& bvh, Violations& violations)
-      : bvh_(bvh), violations_(violations), triangle_seen_(bvh.triangles.size(), false) {}
+  TreeValidator(const Layout& bvh, Violations& violations)
+      : bvh_(bvh), violations_(violations), triangle_seen_(position_count(bvh), false) {}
 
   void run() {
     if (!bvh_.nodes.empty()) walk();
@@ -45,33 +47,30 @@ class TreeValidator {
   }
 
   void check_children(const Visit& visit, std::vector<Visit>& stack) {
-    const Bvh2Node& node = bvh_.nodes[visit.node];
-    for (const int child : {1, 0}) {
-      if (!visit.box.contains(node.box[child])) {
-        violations_.add(name(visit.node, child) + " sticks out of its parent's box");
+    for (int i = children_per_node(bvh_); i-- > 0;) {
+      const ChildView child = child_of(bvh_, visit.node, i);
+      if (!visit.box.contains(child.box)) {
+        violations_.add(name(visit.node, i) + " sticks out of its parent's box");
       }
-      if (node.is_leaf(child)) {
-        check_leaf(visit.node, child);
-      } else if (!node.box[child].is_empty()) {
-        if (node.index[child] >= bvh_.nodes.size()) {
-          violations_.add(name(visit.node, child) + " does not exist");
+      if (child.is_leaf) {
+        check_leaf(child, name(visit.node, i));
+      } else if (!child.box.is_empty()) {
+        if (child.node >= bvh_.nodes.size()) {
+          violations_.add(name(visit.node, i) + " does not exist");
         } else {
-          stack.push_back({node.index[child], node.box[child], visit.depth + 1});
+          stack.push_back({child.node, child.box, visit.depth + 1});
         }
       }
     }
   }
 
-  void check_leaf(std::uint32_t index, int child) {
-    const Bvh2Node& node = bvh_.nodes[index];
-    const std::size_t end = std::size_t(node.index[child]) + node.count[child];
-    if (end > bvh_.triangles.size()) {
-      return violations_.add(name(index, child) + " has triangles that do not exist");
+  void check_leaf(const ChildView& leaf, const std::string& leaf_name) {
+    if (leaf.end > triangle_seen_.size()) {
+      return violations_.add(leaf_name + " has triangles that do not exist");
     }
-    for (std::size_t i = node.index[child]; i < end; ++i) {
-      const PackedTriangle& packed = bvh_.triangles[i];
-      if (!node.box[child].contains(bounds(packed.triangle()))) {
-        violations_.add(name(index, child) + " does not contain its triangle " + std::to_string(i));
+    for (std::size_t i = leaf.begin; i < leaf.end; ++i) {
+      if (!leaf.box.contains(bounds(triangle_at(bvh_, i)))) {
+        violations_.add(leaf_name + " does not contain its triangle " + std::to_string(i));
       }
       if (triangle_seen_[i]) {
         violations_.add("triangle " + std::to_string(i) + " is in two leaves");
@@ -86,35 +85,36 @@ class TreeValidator {
     }
   }
 
-  const Bvh2& bvh_;
+  const Layout& bvh_;
   Violations& violations_;
   std::vector<bool> triangle_seen_;
   std::size_t nodes_seen_ = 0;
 };
 
 /// Compares the tree's triangles with the mesh's.
+template <class Layout>
 class MeshComparison {
  public:
-  MeshComparison(const Bvh2& bvh, const Mesh& mesh, Violations& violations)
+  MeshComparison(const Layout& bvh, const Mesh& mesh, Violations& violations)
       : bvh_(bvh), mesh_(mesh), violations_(violations), face_seen_(mesh.faces.size(), false) {}
 
   void run() {
-    for (std::size_t i = 0; i < bvh_.triangles.size() && !violations_.full(); ++i) {
-      check_triangle(bvh_.triangles[i], i);
+    for (std::size_t i = 0; i < position_count(bvh_) && !violations_.full(); ++i) {
+      if (has_triangle(bvh_, i)) check_triangle(i);
     }
     check_all_faces_seen();
   }
 
  private:
-  void check_triangle(const PackedTriangle& packed, std::size_t i) {
-    if (packed.face >= mesh_.faces.size()) {
+  void check_triangle(std::size_t i) {
+    const std::uint32_t face = face_at(bvh_, i);
+    if (face >= mesh_.faces.size()) {
       return violations_.add("triangle " + std::to_string(i) + " is of no face of the mesh");
     }
-    face_seen_[packed.face] = true;
-    const Triangle expected = mesh_.triangle(packed.face);
-    if (packed.p0 != expected.p0 || packed.p1 != expected.p1 || packed.p2 != expected.p2) {
+    face_seen_[face] = true;
+    if (triangle_at(bvh_, i) != mesh_.triangle(face)) {
       violations_.add("triangle " + std::to_string(i) + " differs from face " +
-                      std::to_string(packed.face));
+                      std::to_string(face));
     }
   }
 
@@ -129,25 +129,29 @@ class MeshComparison {
     }
   }
 
-  const Bvh2& bvh_;
+  const Layout& bvh_;
   const Mesh& mesh_;
   Violations& violations_;
   std::vector<bool> face_seen_;
 };
 
-}  // namespace
-
-std::vector<std::string> validate(const Bvh2& bvh) {
+template <class Layout>
+std::vector<std::string> validate_tree(const Layout& bvh, const Mesh* mesh) {
   Violations violations;
-  TreeValidator(bvh, violations).run();
+  TreeValidator<Layout>(bvh, violations).run();
+  if (mesh != nullptr) MeshComparison<Layout>(bvh, *mesh, violations).run();
   return violations.take();
 }
 
+}  // namespace
+
+std::vector<std::string> validate(const Bvh2& bvh) { return validate_tree(bvh, nullptr); }
+std::vector<std::string> validate(const Bvh8& bvh) { return validate_tree(bvh, nullptr); }
 std::vector<std::string> validate(const Bvh2& bvh, const Mesh& mesh) {
-  Violations violations;
-  TreeValidator(bvh, violations).run();
-  MeshComparison(bvh, mesh, violations).run();
-  return violations.take();
+  return validate_tree(bvh, &mesh);
+}
+std::vector<std::string> validate(const Bvh8& bvh, const Mesh& mesh) {
+  return validate_tree(bvh, &mesh);
 }
 
 }  // namespace treelet

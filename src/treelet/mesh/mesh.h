@@ -14,6 +14,8 @@ using Face = std::array<std::uint32_t, 3>;
 /// Vertex positions of one triangle, in face order.
 struct Triangle {
   Vec3 p0, p1, p2;
+
+  friend constexpr bool operator==(const Triangle&, const Triangle&) = default;
 };
 
 TREELET_HD constexpr Aabb bounds(const Triangle& t) {

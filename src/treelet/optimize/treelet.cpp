@@ -1,26 +1,42 @@
 #include <treelet/optimize/treelet.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
+#include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
 #include <treelet/optimize/treelet_batch.h>
 #include <treelet/optimize/treelet_forming.h>
 #include <treelet/optimize/treelet_rewiring.h>
 #include <treelet/optimize/treelet_solver.h>
 #include <treelet/tree/bottom_up.h>
-#include <treelet/tree/refit.h>
 
 namespace treelet {
 namespace {
 
+constexpr std::uint32_t kAllInternal = 2;  // every internal node has at least two references
+
 /// What all treelets of a run share.
 struct Restructuring {
   BinaryTree& tree;
-  Array<float> costs;  // by slot, kept up to date below the nodes that have been visited
   const SahModel& sah;
-  int size;
+  const TreeletConfig& config;
+  Array<float> costs;            // by slot, kept up to date below the nodes that have been visited
+  Array<std::uint32_t> levels;   // by slot
+
+  Restructuring(BinaryTree& to_change, const SahModel& model, const TreeletConfig& how)
+      : tree(to_change),
+        sah(model),
+        config(how),
+        costs(to_change.nodes.size()),
+        levels(to_change.nodes.size()) {}
+
+  void set_leaf_cost(std::uint32_t slot) {
+    const BinaryNode& node = tree.nodes[slot];
+    if (node.is_leaf()) costs[slot] = sah.leaf_cost(half_area(node.box()), 1);
+  }
 
   void update_cost(std::uint32_t slot) {
     const BinaryNode& node = tree.nodes[slot];
@@ -42,10 +58,22 @@ struct Restructuring {
     replace_if_better(root, treelet, solution);
   }
 
-  void restructure_one(std::uint32_t root) {
-    update_cost(root);
-    solve_one(root, form_treelet(tree, root, size));
+};
+
+/// The readable way: each treelet for itself.
+class SingleRestructuring {
+ public:
+  explicit SingleRestructuring(Restructuring& shared) : shared_(shared) {}
+
+  void restructure(std::span<const std::uint32_t> roots) {
+    for (const std::uint32_t root : roots) {
+      shared_.update_cost(root);
+      shared_.solve_one(root, form_treelet(shared_.tree, root, shared_.config.size));
+    }
   }
+
+ private:
+  Restructuring& shared_;
 };
 
 /// Gathers treelets that lie side by side in the tree and solves sixteen at once.
@@ -53,7 +81,7 @@ class BatchRestructuring {
  public:
   explicit BatchRestructuring(Restructuring& shared)
       : shared_(shared), solve_(treelet_batch_solver(best_isa())) {
-    batch_.size = shared.size;
+    batch_.size = shared.config.size;
   }
 
   /// No root may be below another.
@@ -73,9 +101,9 @@ class BatchRestructuring {
     shared_.update_cost(root);
     Member& member = members_[std::size_t(count_)];
     member.root = root;
-    member.treelet = form_treelet(shared_.tree, root, shared_.size);
+    member.treelet = form_treelet(shared_.tree, root, shared_.config.size);
     // Few references below: a smaller treelet, which would leave lanes of its batch idle.
-    if (member.treelet.size < shared_.size) return shared_.solve_one(root, member.treelet);
+    if (member.treelet.size < shared_.config.size) return shared_.solve_one(root, member.treelet);
     member.leaves = gather_leaves(shared_.tree, shared_.costs, member.treelet);
     batch_.set(count_, member.leaves, shared_.sah);
     if (++count_ == TreeletBatch::kTreelets) flush();
@@ -103,39 +131,68 @@ class BatchRestructuring {
   int count_ = 0;
 };
 
-/// Calls restructure_round(gamma) for each round that has roots.
-template <class RestructureRound>
-void run_rounds(const BinaryTree& tree, const TreeletConfig& config,
-                RestructureRound&& restructure_round) {
+/// Runs the rounds of what list_roots(min_count) lists: all nodes of so many references and of
+/// `smallest`, in one part of the tree, parents first.
+template <class Worker, class ListRoots>
+void run_rounds(Restructuring& shared, std::uint32_t smallest, ListRoots&& list_roots) {
+  const TreeletConfig& config = shared.config;
+  Worker worker(shared);
   std::uint32_t gamma = config.gamma == 0 ? std::uint32_t(config.size) : config.gamma;
-  gamma = std::max(gamma, 2u);
-  for (int round = 0; round < config.rounds && gamma <= tree.reference_count(); ++round) {
-    restructure_round(gamma);
+  for (int round = 0; round < config.rounds && gamma <= shared.tree.reference_count(); ++round) {
+    const std::uint32_t min_count = std::max(gamma, smallest);
+    const std::vector<std::uint32_t> roots = list_roots(min_count);
+    visit_levels(order_by_level(shared.tree, min_count, roots, shared.levels),
+                 [&](std::span<const std::uint32_t> level) { worker.restructure(level); });
     gamma *= 2;
   }
+}
+
+template <class Worker>
+void restructure_subtree(Restructuring& shared, std::uint32_t root) {
+  const auto list_roots = [&](std::uint32_t min_count) {
+    std::vector<std::uint32_t> nodes;
+    list_internal_nodes(shared.tree, root, min_count, nodes);
+    return nodes;
+  };
+  const std::vector<std::uint32_t> internal = list_roots(kAllInternal);
+  shared.set_leaf_cost(root);
+  for (auto slot = internal.rbegin(); slot != internal.rend(); ++slot) {
+    shared.set_leaf_cost(shared.tree.nodes[*slot].left());
+    shared.set_leaf_cost(shared.tree.nodes[*slot].right());
+    shared.update_cost(*slot);
+  }
+  run_rounds<Worker>(shared, kAllInternal, list_roots);
+}
+
+template <class Worker>
+void restructure_top(Restructuring& shared, const std::vector<std::uint32_t>& top) {
+  for (auto slot = top.rbegin(); slot != top.rend(); ++slot) shared.update_cost(*slot);
+  run_rounds<Worker>(shared, kSubtreeReferences + 1, [&](std::uint32_t min_count) {
+    std::vector<std::uint32_t> nodes = cut_tree(shared.tree).top;  // a round moves the cut
+    std::erase_if(nodes, [&](auto slot) { return shared.tree.nodes[slot].count < min_count; });
+    return nodes;
+  });
+}
+
+template <class Worker>
+void restructure(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config) {
+  const Stage stage{"restructure treelets"};
+  Restructuring shared(tree, sah, config);
+  const TreeCut cut = cut_tree(tree);
+  parallel_for(cut.subtrees.size(), 1,
+               [&](std::size_t i) { restructure_subtree<Worker>(shared, cut.subtrees[i]); });
+  restructure_top<Worker>(shared, cut.top);
 }
 
 }  // namespace
 
 void restructure_treelets(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config) {
-  const Stage stage{"restructure treelets"};
-  Restructuring shared{tree, compute_costs(tree, sah), sah, config.size};
-  run_rounds(tree, config, [&](std::uint32_t gamma) {
-    visit_levels(
-        tree, gamma, [&] { return BatchRestructuring(shared); },
-        [](BatchRestructuring& batch, std::span<const std::uint32_t> roots) {
-          batch.restructure(roots);
-        });
-  });
+  restructure<BatchRestructuring>(tree, sah, config);
 }
 
 void restructure_treelets_one_by_one(BinaryTree& tree, const SahModel& sah,
                                      const TreeletConfig& config) {
-  const Stage stage{"restructure treelets"};
-  Restructuring shared{tree, compute_costs(tree, sah), sah, config.size};
-  run_rounds(tree, config, [&](std::uint32_t gamma) {
-    visit_bottom_up(tree, gamma, [&](std::uint32_t root) { shared.restructure_one(root); });
-  });
+  restructure<SingleRestructuring>(tree, sah, config);
 }
 
 }  // namespace treelet

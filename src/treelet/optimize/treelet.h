@@ -16,6 +16,8 @@ struct TreeletConfig {
 
 /// Restructures treelets, small subtrees whose leaves may be subtrees again, to their optimal
 /// topology, bottom-up, in rounds [KarrasAila2013 s3]. Never raises the SAH cost.
+/// Differs: all rounds of a subtree of up to 4096 references, which fits into a core's cache, come
+/// before the rounds of the nodes above; in the paper a round covers the whole tree.
 void restructure_treelets(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config);
 
 /// The same, one treelet after the other by the readable solver, and the same bytes: what the fast

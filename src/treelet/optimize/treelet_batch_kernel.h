@@ -9,12 +9,15 @@
 namespace treelet::TREELET_ISA {
 namespace {
 
+constexpr int kLanes = kNativeLanes;  // treelets solved together
+using Float = Lanes<kLanes>;
+
 struct SubsetSum {
-  Lanes lower[3], upper[3], count;
+  Float lower[3], upper[3], count;
 };
 
 struct SahLanes {
-  Lanes traversal_cost, intersection_cost, leaf_limit;
+  Float traversal_cost, intersection_cost, leaf_limit;
 };
 
 TREELET_INLINE SubsetSum add(const SubsetSum& a, const SubsetSum& b) {
@@ -30,18 +33,18 @@ TREELET_INLINE SubsetSum add(const SubsetSum& a, const SubsetSum& b) {
 TREELET_INLINE SubsetSum load_leaf(const TreeletBatch& batch, int leaf, int lane) {
   SubsetSum sum;
   for (int axis = 0; axis < 3; ++axis) {
-    sum.lower[axis] = load(&batch.lower[axis][leaf][lane]);
-    sum.upper[axis] = load(&batch.upper[axis][leaf][lane]);
+    sum.lower[axis] = load<Float>(&batch.lower[axis][leaf][lane]);
+    sum.upper[axis] = load<Float>(&batch.upper[axis][leaf][lane]);
   }
-  sum.count = load(&batch.count[leaf][lane]);
+  sum.count = load<Float>(&batch.count[leaf][lane]);
   return sum;
 }
 
 /// sums[s] of the leaves first_leaf + i for each bit i of s.
 TREELET_INLINE void sum_subsets(const TreeletBatch& batch, int first_leaf, int leaves, int lane,
                                 SubsetSum* sums) {
-  const Lanes infinity = broadcast(__builtin_inff());
-  const Lanes zero = broadcast(0.0f);
+  const Float infinity = broadcast<Float>(__builtin_inff());
+  const Float zero = broadcast<Float>(0.0f);
   sums[0] = {
       {infinity, infinity, infinity}, {zero - infinity, zero - infinity, zero - infinity}, zero};
   for (int leaf = 0; leaf < leaves; ++leaf) {
@@ -50,21 +53,21 @@ TREELET_INLINE void sum_subsets(const TreeletBatch& batch, int first_leaf, int l
   }
 }
 
-TREELET_INLINE Lanes half_area(const SubsetSum& sum) {
-  const Lanes x = sum.upper[0] - sum.lower[0];
-  const Lanes y = sum.upper[1] - sum.lower[1];
-  const Lanes z = sum.upper[2] - sum.lower[2];
+TREELET_INLINE Float half_area(const SubsetSum& sum) {
+  const Float x = sum.upper[0] - sum.lower[0];
+  const Float y = sum.upper[1] - sum.lower[1];
+  const Float z = sum.upper[2] - sum.lower[2];
   return x * y + y * z + z * x;
 }
 
 /// The least sum of the costs of two parts. Two minima, so that one does not wait for the other.
-TREELET_INLINE Lanes best_partition(const TreeletBatchCosts& costs, unsigned set, int lane) {
+TREELET_INLINE Float best_partition(const TreeletBatchCosts& costs, unsigned set, int lane) {
   const auto cost = [&](unsigned part) {
-    return load(&costs.cost[part][lane]) + load(&costs.cost[set ^ part][lane]);
+    return load<Float>(&costs.cost[part][lane]) + load<Float>(&costs.cost[set ^ part][lane]);
   };
   const unsigned movable = set & (set - 1);
   unsigned part = movable & (0 - movable);
-  Lanes even = cost(part), odd = even;
+  Float even = cost(part), odd = even;
   // There are 2^k - 1 parts: after the first they come in pairs.
   while (part != movable) {
     part = (part - movable) & movable;
@@ -75,10 +78,10 @@ TREELET_INLINE Lanes best_partition(const TreeletBatchCosts& costs, unsigned set
   return min(even, odd);
 }
 
-TREELET_INLINE Lanes subtree_cost(const SahLanes& sah, const SubsetSum& sum, Lanes children) {
-  const Lanes area = half_area(sum);
-  const Lanes internal = sah.traversal_cost * area + children;
-  const Lanes leaf = sah.intersection_cost * area * sum.count;
+TREELET_INLINE Float subtree_cost(const SahLanes& sah, const SubsetSum& sum, Float children) {
+  const Float area = half_area(sum);
+  const Float internal = sah.traversal_cost * area + children;
+  const Float leaf = sah.intersection_cost * area * sum.count;
   return min(internal, select_if_at_most(sum.count, sah.leaf_limit, leaf, internal));
 }
 
@@ -90,7 +93,7 @@ TREELET_INLINE void solve(const TreeletBatch& batch, const SahLanes& sah, int la
   sum_subsets(batch, 0, kLow, lane, low);
   sum_subsets(batch, kLow, kHigh, lane, high);
   for (int leaf = 0; leaf < Size; ++leaf) {
-    store(&costs.cost[1 << leaf][lane], load(&batch.cost[leaf][lane]));
+    store(&costs.cost[1 << leaf][lane], load<Float>(&batch.cost[leaf][lane]));
   }
   for (unsigned set = 3; set < 1u << Size; ++set) {
     if ((set & (set - 1)) == 0) continue;
@@ -101,8 +104,8 @@ TREELET_INLINE void solve(const TreeletBatch& batch, const SahLanes& sah, int la
 
 template <int Size>
 void solve_all_lanes(const TreeletBatch& batch, const SahModel& sah, TreeletBatchCosts& costs) {
-  const SahLanes lanes{broadcast(sah.traversal_cost), broadcast(sah.intersection_cost),
-                       broadcast(float(sah.leaf_limit))};
+  const SahLanes lanes{broadcast<Float>(sah.traversal_cost), broadcast<Float>(sah.intersection_cost),
+                       broadcast<Float>(float(sah.leaf_limit))};
   for (int lane = 0; lane < TreeletBatch::kTreelets; lane += kLanes) {
     solve<Size>(batch, lanes, lane, costs);
   }

@@ -7,8 +7,9 @@
 #include <treelet/build/lbvh.h>
 #include <treelet/build/sweep.h>
 #include <treelet/layout/pack_bvh2.h>
-#include <treelet/layout/validate_bvh2.h>
+#include <treelet/layout/pack_bvh8.h>
 #include <treelet/optimize/treelet.h>
+#include <treelet/tree/refit.h>
 #include <treelet/tree/validate.h>
 
 namespace treelet {
@@ -24,6 +25,24 @@ void run_treelet(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage
   restructure_treelets(tree, sah, config);
 }
 
+/// What a packer reads.
+struct PackInput {
+  const BinaryTree& tree;
+  const References& references;
+  const Mesh& mesh;
+};
+using Layout = decltype(Bvh::layout);
+using Packer = Layout (*)(const PackInput&, const SahModel&, const RecipeStage&);
+
+Layout run_bvh2(const PackInput& input, const SahModel& sah, const RecipeStage&) {
+  return pack_bvh2(input.tree, input.references, input.mesh, sah);
+}
+
+Layout run_bvh8(const PackInput& input, const SahModel&, const RecipeStage& stage) {
+  const WideCostModel model{.leaf_limit = std::uint32_t(stage.value("leaf"))};
+  return pack_bvh8(input.tree, input.references, input.mesh, model);
+}
+
 template <class Function>
 struct Entry {
   std::string_view word;
@@ -32,6 +51,7 @@ struct Entry {
 
 constexpr std::array<Entry<Builder>, 2> kBuilders{{{"lbvh", build_lbvh}, {"sweep", build_sweep}}};
 constexpr std::array<Entry<Optimizer>, 1> kOptimizers{{{"treelet", run_treelet}}};
+constexpr std::array<Entry<Packer>, 2> kPackers{{{"bvh2", run_bvh2}, {"bvh8", run_bvh8}}};
 
 template <class Table>
 auto find_function(const Table& table, std::string_view word) {
@@ -62,9 +82,10 @@ class Pipeline {
     check_indices(mesh_);
     const References references = create_references(mesh_);
     const BinaryTree tree = build_tree(references, bvh.sah);
-    bvh.layout = pack_bvh2(tree, references, mesh_, bvh.sah);
+    const std::string_view layout = recipe_.layout.word->name;
+    bvh.layout = find_function(kPackers, layout)({tree, references, mesh_}, bvh.sah, recipe_.layout);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    if (options_.validate) require_sound("bvh2", validate(bvh.layout, mesh_));
+    if (options_.validate) require_sound(layout, bvh.validate(mesh_));
     bvh.report = {.recipe = recipe_.text(),
                   .stages = recorder.stages(),
                   .seconds = elapsed.count(),
@@ -72,7 +93,10 @@ class Pipeline {
                   .references = references.size(),
                   .left_out_non_finite = references.left_out_non_finite,
                   .left_out_degenerate = references.left_out_degenerate,
-                  .tree = compute_statistics(bvh.layout, bvh.sah)};
+                  .sah = sah_cost(tree, bvh.sah),
+                  .tree = std::visit(
+                      [&](const auto& packed) { return compute_statistics(packed, bvh.sah); },
+                      bvh.layout)};
     return bvh;
   }
 

@@ -2,10 +2,12 @@
 
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <treelet/core/stage.h>
 #include <treelet/layout/bvh2.h>
+#include <treelet/layout/bvh8.h>
 #include <treelet/layout/statistics.h>
 #include <treelet/query/intersect.h>
 #include <treelet/tree/sah.h>
@@ -21,21 +23,34 @@ struct BuildReport {
   std::size_t references = 0;
   std::size_t left_out_non_finite = 0;
   std::size_t left_out_degenerate = 0;
-  TreeStatistics tree;
+  double sah = 0.0;     ///< of the binary tree with its best leaves: the same for every layout
+  TreeStatistics tree;  ///< of the layout
 };
 
 /// A built tree. Immutable, owns a copy of its triangles, and may be queried from many threads.
 struct Bvh {
-  Bvh2 layout;
+  std::variant<Bvh2, Bvh8> layout;
   SahModel sah;
   BuildReport report;
 
   /// Closest hit; of equal t the smaller face.
-  Hit intersect(const Ray& ray) const { return treelet::intersect(layout, ray); }
-  bool is_occluded(const Ray& ray) const { return treelet::is_occluded(layout, ray); }
+  Hit intersect(const Ray& ray) const;
+  /// Whether anything is hit in [t_min, t_max].
+  bool is_occluded(const Ray& ray) const;
 
-  /// One hit a ray, on all threads.
+  // One answer a ray, on all threads.
   std::vector<Hit> intersect(std::span<const Ray> rays) const;
+  void intersect(const RayBatch& rays, const HitArrays& hits) const;
+  void find_occluded(const RayBatch& rays, std::span<bool> occluded) const;
+  /// What finding each ray's closest hit takes.
+  void count_work(const RayBatch& rays, std::span<Work> work) const;
+
+  Aabb bounds() const;
+  /// End-point overlap; see layout/epo.h.
+  double epo(std::size_t max_triangles = 0) const;
+  /// What is wrong with the tree; see layout/validate_layout.h.
+  std::vector<std::string> validate() const;
+  std::vector<std::string> validate(const Mesh& mesh) const;
 };
 
 }  // namespace treelet

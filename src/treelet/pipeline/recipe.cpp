@@ -54,11 +54,22 @@ void set_argument(std::string_view recipe, RecipeStage& stage,
   stage.values[std::size_t(found - parameters.begin())] = argument.value;
 }
 
+void check_given_once(std::string_view recipe, const WrittenStage& written) {
+  const auto& arguments = written.arguments;
+  for (auto later = arguments.begin(); later != arguments.end(); ++later) {
+    const auto is_same = [&](const auto& earlier) { return earlier.name == later->name; };
+    if (std::any_of(arguments.begin(), later, is_same)) {
+      fail(recipe, "gives " + written.word + "(" + later->name + ") twice");
+    }
+  }
+}
+
 RecipeStage resolve(std::string_view recipe, const WrittenStage& written) {
   RecipeStage stage{&find_word(recipe, written.word), {}};
   for (const WordParameter& parameter : stage.word->parameters) {
     stage.values.push_back(parameter.default_value);
   }
+  check_given_once(recipe, written);
   for (const auto& argument : written.arguments) set_argument(recipe, stage, argument);
   return stage;
 }
@@ -81,8 +92,14 @@ void check_order(std::string_view recipe, const std::vector<RecipeStage>& stages
   }
 }
 
+std::string_view trim(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\n\v\f\r";
+  const std::size_t begin = std::min(text.find_first_not_of(kSpaces), text.size());
+  return text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
+}
+
 std::string expand_preset(std::string_view text) {
-  const auto found = std::ranges::find(presets(), text, &Preset::name);
+  const auto found = std::ranges::find(presets(), trim(text), &Preset::name);
   return std::string(found == presets().end() ? text : found->recipe);
 }
 
@@ -114,7 +131,7 @@ Recipe parse_recipe(std::string_view text) {
     stages.push_back(resolve(text, written));
   }
   check_order(text, stages);
-  if (stages.back().word->kind != WordKind::layout) stages.push_back(resolve(text, {"bvh2", {}}));
+  if (stages.back().word->kind != WordKind::layout) stages.push_back(resolve(text, {"bvh8", {}}));
   return {stages.front(), {stages.begin() + 1, stages.end() - 1}, stages.back()};
 }
 

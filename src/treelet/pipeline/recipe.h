@@ -27,7 +27,7 @@ struct Recipe {
   std::string text() const;
 };
 
-/// Reads a preset's name or a recipe's text; a missing layout is bvh2. Throws
+/// Reads a preset's name or a recipe's text; a missing layout is bvh8. Throws
 /// std::invalid_argument that says which word, argument or value is wrong and what there is.
 Recipe parse_recipe(std::string_view text);
 

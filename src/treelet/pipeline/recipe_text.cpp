@@ -15,7 +15,7 @@ class Parser {
   std::vector<WrittenStage> parse() {
     std::vector<WrittenStage> stages{parse_stage()};
     while (accept('>')) stages.push_back(parse_stage());
-    if (peek() != '\0') fail("expected '>' or the end");
+    if (position_ < text_.size()) fail("expected '>' or the end");
     return stages;
   }
 
@@ -70,7 +70,7 @@ class Parser {
     return true;
   }
 
-  /// The next character that is no space; 0 at the end.
+  /// Skips spaces; the character after them, 0 at the end.
   char peek() {
     skip_spaces();
     return position_ < text_.size() ? text_[position_] : '\0';

@@ -16,18 +16,24 @@ constexpr std::array<WordParameter, 1> kBvh2Parameters{{
     {"leaf", 8, 1, 64, "triangles in a leaf at most"},
 }};
 
-constexpr std::array<RecipeWord, 4> kWords{{
+constexpr std::array<WordParameter, 1> kBvh8Parameters{{
+    {"leaf", 8, 1, 16, "triangles in a leaf at most"},
+}};
+
+constexpr std::array<RecipeWord, 5> kWords{{
     {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
     {"sweep", WordKind::builder, "top-down full-sweep SAH: slow, the quality reference", {}},
     {"treelet", WordKind::optimizer, "optimal restructuring of treelets (Karras and Aila 2013)",
      kTreeletParameters},
     {"bvh2", WordKind::layout, "binary nodes with both children's boxes, leaves by SAH",
      kBvh2Parameters},
+    {"bvh8", WordKind::layout, "nodes of eight children for SIMD, blocks of four triangles",
+     kBvh8Parameters},
 }};
 
 constexpr std::array<Preset, 2> kPresets{{
-    {"fast", "lbvh > bvh2", "quickest build: for a few million rays a frame"},
-    {"balanced", "lbvh > treelet > bvh2", "near-best tree for a little more time: the default"},
+    {"fast", "lbvh > bvh8", "quickest build: for a few million rays a frame"},
+    {"balanced", "lbvh > treelet > bvh8", "near-best tree for a little more time: the default"},
 }};
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <treelet/query/brute_force.h>
 
-#include <treelet/traverse/traverse_bvh2.h>
+#include <treelet/traverse/is_traceable.h>
+#include <treelet/traverse/visitors.h>
 
 namespace treelet {
 

@@ -1,63 +1,71 @@
 #include <treelet/query/intersect.h>
 
 #include <treelet/core/parallel.h>
-#include <treelet/traverse/traverse_bvh2.h>
+#include <treelet/traverse/tracer.h>
 
 namespace treelet {
 namespace {
 
 constexpr std::size_t kRaysPerTask = 512;
 
-template <class Visitor>
-Visitor trace(const Bvh2& bvh, const Ray& ray, TraversalStack& stack) {
-  Visitor visitor(ray);
-  traverse(bvh, ray, stack, visitor);
-  return visitor;
-}
-
-template <class Visitor>
-Visitor trace(const Bvh2& bvh, const Ray& ray) {
-  TraversalStack stack(bvh.depth);
-  return trace<Visitor>(bvh, ray, stack);
-}
-
-/// Calls store(ray index, visitor) for each ray of the batch.
-template <class Visitor, class Store>
-void trace_batch(const Bvh2& bvh, const RayBatch& rays, Store&& store) {
+/// Calls trace(tracer, ray index) for each ray of the batch.
+template <class Layout, class Trace>
+void trace_batch(const Layout& bvh, const RayBatch& rays, Trace&& trace) {
   parallel_for_ranges(rays.size, kRaysPerTask, [&](std::size_t begin, std::size_t end) {
-    TraversalStack stack(bvh.depth);
-    for (std::size_t i = begin; i < end; ++i) store(i, trace<Visitor>(bvh, rays[i], stack));
+    Tracer<Layout> tracer(bvh);
+    for (std::size_t i = begin; i < end; ++i) trace(tracer, i);
   });
 }
 
 }  // namespace
 
-Hit intersect(const Bvh2& bvh, const Ray& ray) { return trace<ClosestHit<>>(bvh, ray).hit; }
-
-bool is_occluded(const Bvh2& bvh, const Ray& ray) { return trace<AnyHit>(bvh, ray).found; }
-
-void intersect(const Bvh2& bvh, const RayBatch& rays, std::span<Hit> hits) {
-  trace_batch<ClosestHit<>>(bvh, rays,
-                            [&](std::size_t i, const auto& visitor) { hits[i] = visitor.hit; });
+template <class Layout>
+Hit intersect(const Layout& bvh, const Ray& ray) {
+  return Tracer<Layout>(bvh).closest(ray);
 }
 
-void intersect(const Bvh2& bvh, const RayBatch& rays, const HitArrays& hits) {
-  trace_batch<ClosestHit<>>(bvh, rays, [&](std::size_t i, const auto& visitor) {
-    hits.t[i] = visitor.hit.t;
-    hits.face[i] = visitor.hit.face;
-    hits.u[i] = visitor.hit.u;
-    hits.v[i] = visitor.hit.v;
+template <class Layout>
+bool is_occluded(const Layout& bvh, const Ray& ray) {
+  return Tracer<Layout>(bvh).any(ray);
+}
+
+template <class Layout>
+void intersect(const Layout& bvh, const RayBatch& rays, std::span<Hit> hits) {
+  trace_batch(bvh, rays,
+              [&](auto& tracer, std::size_t i) { hits[i] = tracer.closest(rays[i]); });
+}
+
+template <class Layout>
+void intersect(const Layout& bvh, const RayBatch& rays, const HitArrays& hits) {
+  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) {
+    const Hit hit = tracer.closest(rays[i]);
+    hits.t[i] = hit.t;
+    hits.face[i] = hit.face;
+    hits.u[i] = hit.u;
+    hits.v[i] = hit.v;
   });
 }
 
-void find_occluded(const Bvh2& bvh, const RayBatch& rays, std::span<bool> occluded) {
-  trace_batch<AnyHit>(bvh, rays,
-                      [&](std::size_t i, const auto& visitor) { occluded[i] = visitor.found; });
+template <class Layout>
+void find_occluded(const Layout& bvh, const RayBatch& rays, std::span<bool> occluded) {
+  trace_batch(bvh, rays,
+              [&](auto& tracer, std::size_t i) { occluded[i] = tracer.any(rays[i]); });
 }
 
-void count_work(const Bvh2& bvh, const RayBatch& rays, std::span<Work> work) {
-  trace_batch<ClosestHit<Counting>>(
-      bvh, rays, [&](std::size_t i, const auto& visitor) { work[i] = visitor.work; });
+template <class Layout>
+void count_work(const Layout& bvh, const RayBatch& rays, std::span<Work> work) {
+  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { work[i] = tracer.work(rays[i]); });
 }
+
+#define TREELET_INSTANTIATE(Layout)                                                 \
+  template Hit intersect(const Layout&, const Ray&);                                \
+  template bool is_occluded(const Layout&, const Ray&);                             \
+  template void intersect(const Layout&, const RayBatch&, std::span<Hit>);          \
+  template void intersect(const Layout&, const RayBatch&, const HitArrays&);        \
+  template void find_occluded(const Layout&, const RayBatch&, std::span<bool>);     \
+  template void count_work(const Layout&, const RayBatch&, std::span<Work>);
+TREELET_INSTANTIATE(Bvh2)
+TREELET_INSTANTIATE(Bvh8)
+#undef TREELET_INSTANTIATE
 
 }  // namespace treelet

@@ -1,20 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include <treelet/layout/bvh2.h>
+#include <treelet/layout/bvh8.h>
 #include <treelet/query/ray_batch.h>
 #include <treelet/traverse/visitors.h>
 
 namespace treelet {
-
-/// Closest hit of one ray.
-Hit intersect(const Bvh2& bvh, const Ray& ray);
-
-/// Whether one ray hits anything in [t_min, t_max].
-bool is_occluded(const Bvh2& bvh, const Ray& ray);
-
-// Batches run on all threads; the answers do not depend on how many. Outputs hold one value a ray.
 
 /// Hits as four arrays.
 struct HitArrays {
@@ -23,11 +17,26 @@ struct HitArrays {
   float *u, *v;
 };
 
-void intersect(const Bvh2& bvh, const RayBatch& rays, std::span<Hit> hits);
-void intersect(const Bvh2& bvh, const RayBatch& rays, const HitArrays& hits);
-void find_occluded(const Bvh2& bvh, const RayBatch& rays, std::span<bool> occluded);
+// All for the layouts Bvh2 and Bvh8, with the same answers. Batches run on all threads, and the
+// answers do not depend on how many; their outputs hold one value a ray.
+
+/// Closest hit of one ray.
+template <class Layout>
+Hit intersect(const Layout& bvh, const Ray& ray);
+
+/// Whether one ray hits anything in [t_min, t_max].
+template <class Layout>
+bool is_occluded(const Layout& bvh, const Ray& ray);
+
+template <class Layout>
+void intersect(const Layout& bvh, const RayBatch& rays, std::span<Hit> hits);
+template <class Layout>
+void intersect(const Layout& bvh, const RayBatch& rays, const HitArrays& hits);
+template <class Layout>
+void find_occluded(const Layout& bvh, const RayBatch& rays, std::span<bool> occluded);
 
 /// What finding each ray's closest hit takes.
-void count_work(const Bvh2& bvh, const RayBatch& rays, std::span<Work> work);
+template <class Layout>
+void count_work(const Layout& bvh, const RayBatch& rays, std::span<Work> work);
 
 }  // namespace treelet

@@ -7,6 +7,7 @@ namespace {
 
 constexpr float kSmallestComponent = 0x1p-22f;  // of a direction whose largest is in [1, 2)
 constexpr float kPadding = 0x1p-20f;            // 16u
+constexpr float kSmallestPadding = 0x1p-140f;   // where products underflow: 2^-150 each
 
 float largest_distance(Vec3 origin, const Aabb& scene) {
   const Vec3 below = origin - scene.lower, above = scene.upper - origin;
@@ -31,7 +32,7 @@ RayBox::RayBox(const Ray& ray, const Aabb& scene)
     const float raised = max(std::fabs(component), kSmallestComponent);
     points_down[axis] = std::signbit(component);
     inverse[axis] = std::copysign(1.0f / raised, component);
-    padding[axis] = kPadding * distance / raised;
+    padding[axis] = (kPadding * distance + kSmallestPadding) / raised;
   }
 }
 

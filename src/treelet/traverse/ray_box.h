@@ -1,8 +1,7 @@
 #pragma once
 
-#include <array>
-
 #include <treelet/core/aabb.h>
+#include <treelet/core/platform.h>
 #include <treelet/core/ray.h>
 
 // Slab test that never loses a box which the exact ray meets.
@@ -20,16 +19,16 @@ namespace treelet {
 /// What the slab test needs of a ray. It measures t in units of 2^k directions such that the
 /// largest component is in [1, 2): no reciprocal overflows, however long the direction.
 struct RayBox {
-  std::array<float, 3> origin;
-  std::array<float, 3> inverse;
-  std::array<float, 3> padding;  ///< in slab t
-  std::array<bool, 3> points_down;
+  float origin[3];
+  float inverse[3];
+  float padding[3];  ///< in slab t
+  bool points_down[3];
   double t_scale;  ///< slab t over the ray's t
 
   RayBox(const Ray& ray, const Aabb& scene);
 
   /// A limit on the ray's t as a limit on slab t.
-  float to_slab(float t) const { return float(t * t_scale); }
+  TREELET_INLINE float to_slab(float t) const { return float(t * t_scale); }
 };
 
 /// Where a ray enters and leaves a box, in slab t; it misses where near > far.

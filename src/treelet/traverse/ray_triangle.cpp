@@ -55,7 +55,9 @@ bool all_same_sign(double u, double v, double w) {
 RayShear::RayShear(const Ray& ray) : origin(ray.origin), direction(ray.direction) {
   const float x = std::fabs(direction.x), y = std::fabs(direction.y), z = std::fabs(direction.z);
   const int largest = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-  axis = {(largest + 1) % 3, (largest + 2) % 3, largest};
+  axis[0] = (largest + 1) % 3;
+  axis[1] = (largest + 2) % 3;
+  axis[2] = largest;
   shear_x = direction[axis[0]] / direction[axis[2]];
   shear_y = direction[axis[1]] / direction[axis[2]];
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -27,12 +26,17 @@ namespace treelet {
 /// What the triangle test needs of a ray. Axes are permuted so that z is the largest component.
 struct RayShear {
   Vec3 origin, direction;
-  std::array<int, 3> axis;
+  int axis[3];
   float shear_x, shear_y;
 
   /// The direction must be finite and not zero, the origin finite.
   explicit RayShear(const Ray& ray);
 };
+
+/// Bound on the rounding of a float edge function, over the square of the triangle's sheared size; see
+/// may_intersect.
+inline constexpr float kEdgeError = 0x1p-19f;  // 32u
+inline constexpr float kSmallestNormal = std::numeric_limits<float>::min();
 
 /// A hit before it is known to be the one that is looked for.
 struct TriangleHit {
@@ -50,7 +54,6 @@ bool intersect_exactly(const RayShear& ray, const Triangle& triangle, TriangleHi
 /// 12u m^2 (to first order). The bound is twice that, plus the smallest normal float for products
 /// that underflow.
 inline bool may_intersect(const RayShear& ray, const Triangle& triangle) {
-  constexpr float kError = 0x1p-19f;  // 32u
   const auto [kx, ky, kz] = ray.axis;
   const Vec3 a = triangle.p0 - ray.origin, b = triangle.p1 - ray.origin,
              c = triangle.p2 - ray.origin;
@@ -63,7 +66,7 @@ inline bool may_intersect(const RayShear& ray, const Triangle& triangle) {
   const float m = max(max(max(std::fabs(ax), std::fabs(ay)), max(std::fabs(bx), std::fabs(by))),
                       max(std::fabs(cx), std::fabs(cy)));
   const float z = max(std::fabs(a[kz]), max(std::fabs(b[kz]), std::fabs(c[kz])));
-  const float bound = kError * m * (m + z) + std::numeric_limits<float>::min();
+  const float bound = kEdgeError * m * (m + z) + kSmallestNormal;
   // Negated so that an overflow to infinity or NaN rejects nothing.
   return !(min(u, min(v, w)) < -bound && max(u, max(v, w)) > bound);
 }

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace treelet {
 
-/// Far children that wait, at most one a level of the tree. Trees are rarely 60 deep; for one that
-/// is deeper than the inline entries the stack moves to the heap, once a batch.
+/// Children that wait their turn. A binary traversal leaves at most one waiting a level of the tree,
+/// a wide one seven. For a tree that needs more than the inline entries the stack moves to the heap,
+/// once a batch.
 class TraversalStack {
  public:
   struct Entry {
@@ -15,8 +17,8 @@ class TraversalStack {
     float near;  ///< slab t where the ray enters it
   };
 
-  explicit TraversalStack(std::uint32_t tree_depth) {
-    if (tree_depth > inline_.size()) heap_.resize(tree_depth);
+  explicit TraversalStack(std::size_t capacity) {
+    if (capacity > inline_.size()) heap_.resize(capacity);
   }
   TraversalStack(const TraversalStack&) = delete;
   TraversalStack& operator=(const TraversalStack&) = delete;
@@ -24,7 +26,7 @@ class TraversalStack {
   Entry* entries() { return heap_.empty() ? inline_.data() : heap_.data(); }
 
  private:
-  std::array<Entry, 128> inline_;
+  std::array<Entry, 192> inline_;
   std::vector<Entry> heap_;
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <treelet/layout/bvh2.h>
+#include <treelet/traverse/is_traceable.h>
 #include <treelet/traverse/ray_box.h>
 #include <treelet/traverse/ray_triangle.h>
 #include <treelet/traverse/traversal_stack.h>
@@ -12,14 +13,8 @@
 
 namespace treelet {
 
-/// Whether a ray can hit anything: finite origin and direction, a direction that is not zero, and
-/// an interval without NaN. Other rays miss.
-inline bool is_traceable(const Ray& ray) {
-  const float sum = ray.origin.x * 0.0f + ray.origin.y * 0.0f + ray.origin.z * 0.0f +
-                    ray.direction.x * 0.0f + ray.direction.y * 0.0f + ray.direction.z * 0.0f;
-  const bool finite = sum == 0.0f;  // infinity and NaN times zero are NaN
-  return finite && ray.direction != Vec3{0, 0, 0} && ray.t_min <= ray.t_max;
-}
+/// Entries that a traversal of this tree may need.
+inline std::size_t stack_capacity(const Bvh2& bvh) { return bvh.depth; }
 
 /// One ray's way through the binary layout: nearer children first, farther ones on a stack.
 template <class Visitor>
@@ -55,7 +50,7 @@ class Bvh2Traversal {
     Entry internal[2];
     int count = 0;
     for (const int child : {nearer, 1 - nearer}) {
-      if (!span[child].is_hit()) continue;
+      if (!span[child].is_hit() || node.is_none(child)) continue;
       if (!node.is_leaf(child)) {
         internal[count++] = {node.index[child], span[child].near};
       } else if (span[child].near <= t_limit_ && visit_leaf(node.index[child], node.count[child])) {

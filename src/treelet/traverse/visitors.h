@@ -3,14 +3,15 @@
 #include <cstdint>
 #include <limits>
 
+#include <treelet/core/platform.h>
 #include <treelet/core/ray.h>
 #include <treelet/traverse/ray_triangle.h>
 
-// A visitor decides what a traversal looks for:
+// A visitor decides what a traversal looks for. Kernels of several instruction sets inline it.
 //
-//     float t_limit()                   no hit beyond this t matters any more
+//     TREELET_INLINE float t_limit()                   no hit beyond this t matters any more
 //     bool visit(face, triangle_hit)    takes a hit of the ray's line; true ends the traversal
-//     void count_node(), count_triangle()
+//     TREELET_INLINE void count_node(), count_triangle()
 
 namespace treelet {
 
@@ -21,14 +22,14 @@ struct Work {
 };
 
 struct NoCounting {
-  void count_node() {}
-  void count_triangle() {}
+  TREELET_INLINE void count_node() {}
+  TREELET_INLINE void count_triangle() {}
 };
 
 struct Counting {
   Work work;
-  void count_node() { ++work.nodes; }
-  void count_triangle() { ++work.triangles; }
+  TREELET_INLINE void count_node() { ++work.nodes; }
+  TREELET_INLINE void count_triangle() { ++work.triangles; }
 };
 
 /// Smallest t in [t_min, t_max]; of equal t the smaller face.
@@ -37,11 +38,11 @@ struct ClosestHit : Counter {
   float t_min, limit;
   Hit hit;
 
-  explicit ClosestHit(const Ray& ray) : t_min(ray.t_min), limit(ray.t_max) {}
+  TREELET_INLINE explicit ClosestHit(const Ray& ray) : t_min(ray.t_min), limit(ray.t_max) {}
 
-  float t_limit() const { return limit; }
+  TREELET_INLINE float t_limit() const { return limit; }
 
-  bool visit(std::uint32_t face, const TriangleHit& candidate) {
+  TREELET_INLINE bool visit(std::uint32_t face, const TriangleHit& candidate) {
     constexpr float inf = std::numeric_limits<float>::infinity();
     if (!(candidate.t >= t_min && candidate.t <= limit && candidate.t < inf)) return false;
     if (candidate.t == hit.t && std::int32_t(face) > hit.face) return false;
@@ -56,11 +57,11 @@ struct AnyHit : NoCounting {
   float t_min, t_max;
   bool found = false;
 
-  explicit AnyHit(const Ray& ray) : t_min(ray.t_min), t_max(ray.t_max) {}
+  TREELET_INLINE explicit AnyHit(const Ray& ray) : t_min(ray.t_min), t_max(ray.t_max) {}
 
-  float t_limit() const { return t_max; }
+  TREELET_INLINE float t_limit() const { return t_max; }
 
-  bool visit(std::uint32_t, const TriangleHit& candidate) {
+  TREELET_INLINE bool visit(std::uint32_t, const TriangleHit& candidate) {
     constexpr float inf = std::numeric_limits<float>::infinity();
     found = candidate.t >= t_min && candidate.t <= t_max && candidate.t < inf;
     return found;

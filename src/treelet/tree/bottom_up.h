@@ -32,9 +32,8 @@ struct LevelOrder {
   std::vector<std::size_t> ends;
 };
 
-/// Puts nodes (parents first, all of at least min_count references) into levels: a node's level is
-/// one above its children's, those below min_count aside. `levels` holds them by slot; what lies
-/// below the nodes must have been ordered before.
+/// Puts nodes into levels: a node's level is one above its children's. `nodes` are all nodes of at
+/// least min_count references in one part of the tree, parents first; levels holds scratch by slot.
 LevelOrder order_by_level(const BinaryTree& tree, std::uint32_t min_count,
                           std::span<const std::uint32_t> nodes, Array<std::uint32_t>& levels);
 
@@ -56,30 +55,14 @@ void visit_bottom_up(const BinaryTree& tree, std::uint32_t min_count, Visit&& vi
   }
 }
 
-/// Like visit_bottom_up, a level at a time: calls visit(worker, slots) with slots none of which is
-/// below another, so that they can be worked on together. make_worker() makes a task's scratch.
-template <class MakeWorker, class Visit>
-void visit_levels(const BinaryTree& tree, std::uint32_t min_count, MakeWorker&& make_worker,
-                  Visit&& visit) {
-  const TreeCut cut = cut_tree(tree);
-  Array<std::uint32_t> levels(tree.nodes.size());
-  const auto visit_nodes = [&](std::span<const std::uint32_t> nodes) {
-    const LevelOrder order = order_by_level(tree, min_count, nodes, levels);
-    auto worker = make_worker();
-    std::size_t begin = 0;
-    for (const std::size_t end : order.ends) {
-      visit(worker, std::span(order.nodes).subspan(begin, end - begin));
-      begin = end;
-    }
-  };
-  parallel_for(cut.subtrees.size(), 1, [&](std::size_t i) {
-    std::vector<std::uint32_t> nodes;
-    list_internal_nodes(tree, cut.subtrees[i], min_count, nodes);
-    visit_nodes(nodes);
-  });
-  std::vector<std::uint32_t> top = cut.top;
-  std::erase_if(top, [&](std::uint32_t slot) { return tree.nodes[slot].count < min_count; });
-  visit_nodes(top);
+/// Calls visit(slots) for each level of nodes, lower ones first.
+template <class Visit>
+void visit_levels(const LevelOrder& order, Visit&& visit) {
+  std::size_t begin = 0;
+  for (const std::size_t end : order.ends) {
+    visit(std::span(order.nodes).subspan(begin, end - begin));
+    begin = end;
+  }
 }
 
 }  // namespace treelet

@@ -1,0 +1,64 @@
+#include <treelet/query/ray_batch.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+namespace treelet {
+namespace {
+
+TEST(PerRay, ReadsWithItsStride) {
+  const std::array<float, 6> values{0, 1, 2, 3, 4, 5};
+  const PerRay<float> dense(values.data(), sizeof(float)), every_second(values.data(), 8),
+      one_for_all(values.data() + 4, 0);
+  EXPECT_EQ(dense[3], 3.0f);
+  EXPECT_EQ(every_second[2], 4.0f);
+  EXPECT_EQ(one_for_all[0], 4.0f);
+  EXPECT_EQ(one_for_all[1000], 4.0f);
+}
+
+TEST(PerRay, ReadsUnalignedMemory) {
+  alignas(8) std::array<std::byte, 32> bytes{};
+  const Vec3 value{1, 2, 3};
+  std::memcpy(bytes.data() + 13, &value, sizeof value);
+  const PerRay<Vec3> per_ray(reinterpret_cast<const Vec3*>(bytes.data() + 1), 12);
+  EXPECT_EQ(per_ray[1], value);
+}
+
+TEST(RayBatch, IsEmptyAtFirst) {
+  EXPECT_EQ(RayBatch().size, 0u);
+  EXPECT_EQ(RayBatch(std::span<const Ray>()).size, 0u);
+}
+
+TEST(RayBatch, OfAnArrayOfRays) {
+  const std::vector<Ray> rays{{{1, 2, 3}, {4, 5, 6}, 7, 8}, {{9, 10, 11}, {12, 13, 14}, 15, 16}};
+  const RayBatch batch(rays);
+  ASSERT_EQ(batch.size, 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Ray ray = batch[i];
+    EXPECT_EQ(ray.origin, rays[i].origin);
+    EXPECT_EQ(ray.direction, rays[i].direction);
+    EXPECT_EQ(ray.t_min, rays[i].t_min);
+    EXPECT_EQ(ray.t_max, rays[i].t_max);
+  }
+}
+
+TEST(RayBatch, OfArraysOfParts) {
+  const std::vector<Vec3> origins{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+  const Vec3 direction{0, 0, -1};
+  const float t_min = 0.5f, t_max[] = {1, 2, 3};
+  RayBatch batch;
+  batch.size = 3;
+  batch.origins = {origins.data(), sizeof(Vec3)};
+  batch.directions = {&direction, 0};
+  batch.t_min = {&t_min, 0};
+  batch.t_max = {t_max, sizeof(float)};
+  EXPECT_EQ(batch[2].origin, origins[2]);
+  EXPECT_EQ(batch[2].direction, direction);
+  EXPECT_EQ(batch[2].t_min, 0.5f);
+  EXPECT_EQ(batch[2].t_max, 3.0f);
+}
+
+}  // namespace
+}  // namespace treelet
