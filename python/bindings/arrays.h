@@ -14,8 +14,8 @@
 /// never copies.
 using Vec3Array = nanobind::ndarray<const float, nanobind::shape<-1, 3>, nanobind::c_contig,
                                     nanobind::device::cpu>;
-using FaceArray = nanobind::ndarray<const std::uint32_t, nanobind::shape<-1, 3>,
-                                    nanobind::c_contig, nanobind::device::cpu>;
+using FaceArray = nanobind::ndarray<const std::uint32_t, nanobind::shape<-1, 3>, nanobind::c_contig,
+                                    nanobind::device::cpu>;
 using FloatArray =
     nanobind::ndarray<const float, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 
@@ -31,7 +31,8 @@ inline treelet::Mesh as_mesh(const Vec3Array& vertices, const FaceArray& faces) 
 template <class T>
 NumpyArray<T> as_numpy(treelet::Array<T>&& array) {
   auto* kept = new treelet::Array<T>(std::move(array));
-  nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<treelet::Array<T>*>(p); });
+  nanobind::capsule owner(kept,
+                          [](void* p) noexcept { delete static_cast<treelet::Array<T>*>(p); });
   const std::size_t size = kept->size();
   return NumpyArray<T>(kept->data(), {size}, owner);
 }

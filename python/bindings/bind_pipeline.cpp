@@ -110,9 +110,9 @@ void bind_pipeline(nb::module_& module) {
       .def("validate_against", validate_against, "vertices"_a.noconvert(), "faces"_a.noconvert());
   module.def("build", build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "recipe"_a,
              "validate"_a);
-  module.def("canonical_recipe",
-             [](const std::string& recipe) { return treelet::parse_recipe(recipe).text(); },
-             "recipe"_a);
+  module.def(
+      "canonical_recipe",
+      [](const std::string& recipe) { return treelet::parse_recipe(recipe).text(); }, "recipe"_a);
   module.def("recipe_words", recipe_words);
   module.def("presets", presets);
 }

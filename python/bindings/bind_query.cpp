@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <array>
 
+#include <treelet/core/parallel.h>
 #include <treelet/pipeline/bvh.h>
 #include <treelet/query/brute_force.h>
-#include <treelet/core/parallel.h>
 
 #include "arrays.h"
 #include "bindings.h"

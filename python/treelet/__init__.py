@@ -1,10 +1,10 @@
 """Near-best bounding volume hierarchies for triangle meshes, in milliseconds.
 
-    import treelet
+import treelet
 
-    bvh = treelet.build(vertices, faces)  # (V, 3) floats, (F, 3) integers
-    t, face, u, v = bvh.intersect(origins, directions)  # (..., 3) floats each
-    shadowed = bvh.occluded(origins, directions)
+bvh = treelet.build(vertices, faces)  # (V, 3) floats, (F, 3) integers
+t, face, u, v = bvh.intersect(origins, directions)  # (..., 3) floats each
+shadowed = bvh.occluded(origins, directions)
 """
 
 from ._core import __version__, set_thread_count, thread_count

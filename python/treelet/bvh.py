@@ -136,9 +136,10 @@ class Bvh:
 
     def __repr__(self) -> str:
         report = self._report
+        size = f"depth {report.depth}, {report.bytes / 2**20:.1f} MiB"
         return (
-            f"<treelet.Bvh of {report.faces:,} faces: {report.recipe}, SAH {report.sah:.1f}, "
-            f"depth {report.depth}, {report.bytes / 2**20:.1f} MiB, built in {report.build_seconds * 1e3:.0f} ms>"
+            f"<treelet.Bvh of {report.faces:,} faces: {report.recipe}, SAH {report.sah:.1f}, {size}, "
+            f"built in {report.build_seconds * 1e3:.0f} ms>"
         )
 
 

@@ -71,4 +71,5 @@ class Report:
         return plain
 
     def __repr__(self) -> str:
-        return f"Report(recipe={self.recipe!r}, build_seconds={self.build_seconds:.4g}, sah={self.sah:.4g}, ...)"
+        times = f"build_seconds={self.build_seconds:.4g}, sah={self.sah:.4g}"
+        return f"Report(recipe={self.recipe!r}, {times}, ...)"

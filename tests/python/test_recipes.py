@@ -104,7 +104,9 @@ def test_presets_are_recipes():
 
 def test_words_describe_themselves():
     words = {word.name: word for word in treelet.recipe_words()}
-    kinds = {"lbvh": "builder", "sweep": "builder", "treelet": "optimizer", "bvh2": "layout", "bvh8": "layout"}
+    kinds = {"lbvh": "builder", "sweep": "builder", "treelet": "optimizer"} | dict.fromkeys(
+        ["bvh2", "bvh8"], "layout"
+    )
     assert kinds.items() <= {name: word.kind for name, word in words.items()}.items()
     assert all(len(word.summary) > 20 for word in words.values())
     size = words["treelet"].parameters[0]

@@ -11,7 +11,8 @@ namespace {
 // Coordinate differences beyond the largest float make the slab test say yes to everything, also to
 // the empty place beside a tree's only leaf: traversal went round the root for ever.
 TEST(Repro, HugeCoordinatesInATreeOfOneLeaf) {
-  const std::array<Vec3, 3> vertices{{{-3e38f, -3e38f, 3e38f}, {3e38f, -3e38f, 3e38f}, {0, 3e38f, 3e38f}}};
+  const std::array<Vec3, 3> vertices{
+      {{-3e38f, -3e38f, 3e38f}, {3e38f, -3e38f, 3e38f}, {0, 3e38f, 3e38f}}};
   const std::array<Face, 1> faces{{{0, 1, 2}}};
   const Mesh mesh{vertices, faces};
   for (const char* const recipe : {"lbvh > bvh2", "lbvh > bvh8"}) {

@@ -73,7 +73,8 @@ TEST(TraverseBvh8, CountsTheSameWorkForEveryInstructionSet) {
 TEST(TraverseBvh8, WalksAChain) {
   const test::OwnedMesh mesh = test::triangle_soup(3000, 4);
   const References references = create_references(mesh.view());
-  const Bvh8 bvh = pack_bvh8(test::chain_tree(references), references, mesh.view(), {.leaf_limit = 1});
+  const Bvh8 bvh =
+      pack_bvh8(test::chain_tree(references), references, mesh.view(), {.leaf_limit = 1});
   EXPECT_GT(bvh.depth, 200u);
   Tracer<Bvh8> tracer(bvh);
   for (const Ray& ray : test::rays_at(mesh.view(), 10, 8)) {

@@ -45,8 +45,8 @@ struct LanesType<16> {
 template <int N>
 using Lanes = typename LanesType<N>::Type;
 
-// Each is one instruction; of equal values the first operand wins, as in core/vec.h, and so does the
-// first where the second is NaN.
+// Each is one instruction; of equal values the first operand wins, as in core/vec.h, and so does
+// the first where the second is NaN.
 template <class L>
 TREELET_INLINE L min(L a, L b) {
   return b < a ? b : a;
@@ -123,7 +123,8 @@ TREELET_INLINE L broadcast(float x) {
 #elif defined(__AVX__)
 #define TREELET_COMPARE_256(a, b, op) \
   unsigned(_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, op)))
-#define TREELET_COMPARE_128(a, b, op) unsigned(_mm_movemask_ps(_mm_cmp_ps((__m128)a, (__m128)b, op)))
+#define TREELET_COMPARE_128(a, b, op) \
+  unsigned(_mm_movemask_ps(_mm_cmp_ps((__m128)a, (__m128)b, op)))
 #endif
 
 /// Bit i: a[i] <= b[i], and neither is NaN.

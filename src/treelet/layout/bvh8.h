@@ -70,7 +70,8 @@ struct alignas(64) Bvh8Node {
 static_assert(sizeof(Bvh8Node) == 256);
 
 /// The eight-wide layout for the CPU. Parents lie before children; the blocks of a subtree are one
-/// run. Boxes are exact unions of float vertices in mesh units. Without triangles there are no nodes.
+/// run. Boxes are exact unions of float vertices in mesh units. Without triangles there are no
+/// nodes.
 struct Bvh8 {
   Array<Bvh8Node> nodes;
   Array<TriangleBlock> blocks;

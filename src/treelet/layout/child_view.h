@@ -49,7 +49,8 @@ inline std::uint32_t face_at(const Bvh2& bvh, std::size_t position) {
   return bvh.triangles[position].face;
 }
 inline std::uint32_t face_at(const Bvh8& bvh, std::size_t position) {
-  return bvh.blocks[position / TriangleBlock::kTriangles].face[position % TriangleBlock::kTriangles];
+  return bvh.blocks[position / TriangleBlock::kTriangles]
+      .face[position % TriangleBlock::kTriangles];
 }
 template <class Layout>
 bool has_triangle(const Layout& bvh, std::size_t position) {

@@ -42,7 +42,9 @@ struct Source {
   const Array<WideChoice>& choices;
 
   bool is_leaf(std::uint32_t slot) const { return choices[slot].is_leaf; }
-  WideChildren children(std::uint32_t slot) const { return list_wide_children(tree, choices, slot); }
+  WideChildren children(std::uint32_t slot) const {
+    return list_wide_children(tree, choices, slot);
+  }
 };
 
 /// Cuts the tree into parts in depth-first order.

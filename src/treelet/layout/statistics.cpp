@@ -41,7 +41,11 @@ TreeStatistics compute(const Layout& bvh, const SahModel& sah) {
 
 }  // namespace
 
-TreeStatistics compute_statistics(const Bvh2& bvh, const SahModel& sah) { return compute(bvh, sah); }
-TreeStatistics compute_statistics(const Bvh8& bvh, const SahModel& sah) { return compute(bvh, sah); }
+TreeStatistics compute_statistics(const Bvh2& bvh, const SahModel& sah) {
+  return compute(bvh, sah);
+}
+TreeStatistics compute_statistics(const Bvh8& bvh, const SahModel& sah) {
+  return compute(bvh, sah);
+}
 
 }  // namespace treelet

@@ -19,7 +19,8 @@ struct WideCostModel {
 struct WideChoice {
   static constexpr int kWidth = 8;
 
-  std::array<float, kWidth> cost;  ///< cost[i]: of the subtree in at most i children; cost[0] unused
+  std::array<float, kWidth>
+      cost;  ///< cost[i]: of the subtree in at most i children; cost[0] unused
   std::array<std::uint8_t, kWidth + 1> left_share;  ///< children that the left side gets of i
   bool is_leaf;                                     ///< as one child: a leaf, else a node
   /// Bit i: with i children at hand, one is enough.

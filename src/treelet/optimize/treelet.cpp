@@ -23,8 +23,8 @@ struct Restructuring {
   BinaryTree& tree;
   const SahModel& sah;
   const TreeletConfig& config;
-  Array<float> costs;            // by slot, kept up to date below the nodes that have been visited
-  Array<std::uint32_t> levels;   // by slot
+  Array<float> costs;           // by slot, kept up to date below the nodes that have been visited
+  Array<std::uint32_t> levels;  // by slot
 
   Restructuring(BinaryTree& to_change, const SahModel& model, const TreeletConfig& how)
       : tree(to_change),
@@ -57,7 +57,6 @@ struct Restructuring {
     solve_treelet(gather_leaves(tree, costs, treelet), sah, solution);
     replace_if_better(root, treelet, solution);
   }
-
 };
 
 /// The readable way: each treelet for itself.

@@ -104,7 +104,8 @@ TREELET_INLINE void solve(const TreeletBatch& batch, const SahLanes& sah, int la
 
 template <int Size>
 void solve_all_lanes(const TreeletBatch& batch, const SahModel& sah, TreeletBatchCosts& costs) {
-  const SahLanes lanes{broadcast<Float>(sah.traversal_cost), broadcast<Float>(sah.intersection_cost),
+  const SahLanes lanes{broadcast<Float>(sah.traversal_cost),
+                       broadcast<Float>(sah.intersection_cost),
                        broadcast<Float>(float(sah.leaf_limit))};
   for (int lane = 0; lane < TreeletBatch::kTreelets; lane += kLanes) {
     solve<Size>(batch, lanes, lane, costs);

@@ -83,20 +83,21 @@ class Pipeline {
     const References references = create_references(mesh_);
     const BinaryTree tree = build_tree(references, bvh.sah);
     const std::string_view layout = recipe_.layout.word->name;
-    bvh.layout = find_function(kPackers, layout)({tree, references, mesh_}, bvh.sah, recipe_.layout);
+    bvh.layout =
+        find_function(kPackers, layout)({tree, references, mesh_}, bvh.sah, recipe_.layout);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (options_.validate) require_sound(layout, bvh.validate(mesh_));
-    bvh.report = {.recipe = recipe_.text(),
-                  .stages = recorder.stages(),
-                  .seconds = elapsed.count(),
-                  .faces = mesh_.faces.size(),
-                  .references = references.size(),
-                  .left_out_non_finite = references.left_out_non_finite,
-                  .left_out_degenerate = references.left_out_degenerate,
-                  .sah = sah_cost(tree, bvh.sah),
-                  .tree = std::visit(
-                      [&](const auto& packed) { return compute_statistics(packed, bvh.sah); },
-                      bvh.layout)};
+    bvh.report = {
+        .recipe = recipe_.text(),
+        .stages = recorder.stages(),
+        .seconds = elapsed.count(),
+        .faces = mesh_.faces.size(),
+        .references = references.size(),
+        .left_out_non_finite = references.left_out_non_finite,
+        .left_out_degenerate = references.left_out_degenerate,
+        .sah = sah_cost(tree, bvh.sah),
+        .tree = std::visit([&](const auto& packed) { return compute_statistics(packed, bvh.sah); },
+                           bvh.layout)};
     return bvh;
   }
 

@@ -31,8 +31,7 @@ bool is_occluded(const Layout& bvh, const Ray& ray) {
 
 template <class Layout>
 void intersect(const Layout& bvh, const RayBatch& rays, std::span<Hit> hits) {
-  trace_batch(bvh, rays,
-              [&](auto& tracer, std::size_t i) { hits[i] = tracer.closest(rays[i]); });
+  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { hits[i] = tracer.closest(rays[i]); });
 }
 
 template <class Layout>
@@ -48,8 +47,7 @@ void intersect(const Layout& bvh, const RayBatch& rays, const HitArrays& hits) {
 
 template <class Layout>
 void find_occluded(const Layout& bvh, const RayBatch& rays, std::span<bool> occluded) {
-  trace_batch(bvh, rays,
-              [&](auto& tracer, std::size_t i) { occluded[i] = tracer.any(rays[i]); });
+  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { occluded[i] = tracer.any(rays[i]); });
 }
 
 template <class Layout>
@@ -57,12 +55,12 @@ void count_work(const Layout& bvh, const RayBatch& rays, std::span<Work> work) {
   trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { work[i] = tracer.work(rays[i]); });
 }
 
-#define TREELET_INSTANTIATE(Layout)                                                 \
-  template Hit intersect(const Layout&, const Ray&);                                \
-  template bool is_occluded(const Layout&, const Ray&);                             \
-  template void intersect(const Layout&, const RayBatch&, std::span<Hit>);          \
-  template void intersect(const Layout&, const RayBatch&, const HitArrays&);        \
-  template void find_occluded(const Layout&, const RayBatch&, std::span<bool>);     \
+#define TREELET_INSTANTIATE(Layout)                                             \
+  template Hit intersect(const Layout&, const Ray&);                            \
+  template bool is_occluded(const Layout&, const Ray&);                         \
+  template void intersect(const Layout&, const RayBatch&, std::span<Hit>);      \
+  template void intersect(const Layout&, const RayBatch&, const HitArrays&);    \
+  template void find_occluded(const Layout&, const RayBatch&, std::span<bool>); \
   template void count_work(const Layout&, const RayBatch&, std::span<Work>);
 TREELET_INSTANTIATE(Bvh2)
 TREELET_INSTANTIATE(Bvh8)

@@ -33,8 +33,8 @@ struct RayShear {
   explicit RayShear(const Ray& ray);
 };
 
-/// Bound on the rounding of a float edge function, over the square of the triangle's sheared size; see
-/// may_intersect.
+/// Bound on the rounding of a float edge function, over the square of the triangle's sheared size;
+/// see may_intersect.
 inline constexpr float kEdgeError = 0x1p-19f;  // 32u
 inline constexpr float kSmallestNormal = std::numeric_limits<float>::min();
 

@@ -7,9 +7,9 @@
 
 namespace treelet {
 
-/// Children that wait their turn. A binary traversal leaves at most one waiting a level of the tree,
-/// a wide one seven. For a tree that needs more than the inline entries the stack moves to the heap,
-/// once a batch.
+/// Children that wait their turn. A binary traversal leaves at most one waiting a level of the
+/// tree, a wide one seven. For a tree that needs more than the inline entries the stack moves to
+/// the heap, once a batch.
 class TraversalStack {
  public:
   struct Entry {
