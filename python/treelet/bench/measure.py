@@ -31,7 +31,7 @@ class Plan:
     kinds: tuple[str, ...] = ("primary", "diffuse")
     width: int = 1024  # pixels of the picture whose rays are traced
     height: int = 640
-    builds: int = 3
+    builds: int = 5
     repeats: int = 5
     bounces: int = 1  # of diffuse rays
     samples: int = 1  # diffuse rays a pixel
