@@ -26,9 +26,9 @@ export CTEST_PARALLEL_LEVEL := $(JOBS)
 
 CPP_DIRS := $(wildcard src python/bindings tests bench examples)
 PYTHON_DIRS := $(wildcard python tests tools bench examples)
-CPP_FILES = $(shell find $(CPP_DIRS) -name '*.h' -o -name '*.cpp')
+CPP_FILES = $(shell find $(CPP_DIRS) -name '*.h' -o -name '*.inl' -o -name '*.cpp')
 EXTENSION_INPUTS := CMakeLists.txt $(wildcard cmake/*) \
-  $(shell find $(wildcard src python/bindings) -name '*.h' -o -name '*.cpp')
+  $(shell find $(wildcard src python/bindings) -name '*.h' -o -name '*.inl' -o -name '*.cpp')
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:

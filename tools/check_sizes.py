@@ -14,7 +14,7 @@ from typing import NamedTuple
 FILE_LIMIT = 500
 FUNCTION_LIMIT = 60
 ROOTS = ("src", "python", "tests", "tools", "bench", "examples")
-CPP_SUFFIXES = {".h", ".cpp", ".cu", ".cuh"}
+CPP_SUFFIXES = {".h", ".inl", ".cpp", ".cu", ".cuh"}
 
 
 class Function(NamedTuple):

@@ -17,7 +17,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 BoxSpan span_of(const Ray& ray, const Aabb& box, const Aabb& scene) {
   const RayBox slab(ray, scene);
-  return intersect(slab, box, slab.to_slab(ray.t_min), slab.to_slab(ray.t_max));
+  return intersect(slab, box, slab.lower_limit(ray.t_min), slab.upper_limit(ray.t_max));
 }
 bool hits(const Ray& ray, const Aabb& box, const Aabb& scene) {
   return span_of(ray, box, scene).is_hit();
@@ -110,8 +110,14 @@ TEST(RayBox, MeasuresTInPowersOfTwoOfTheDirection) {
   EXPECT_EQ(RayBox({.direction = {1e-40f, 0, 0}}, kUnit).t_scale, 0x1p-133);
   EXPECT_EQ(RayBox({.direction = {0, 3e38f, 0}}, kUnit).t_scale, 0x1p127);
   const RayBox ray({.direction = {0, 4, 0}}, kUnit);
-  EXPECT_EQ(ray.to_slab(3.0f), 12.0f);
-  EXPECT_EQ(ray.to_slab(kInfinity), kInfinity);
+  EXPECT_FLOAT_EQ(ray.lower_limit(3.0f), 12.0f);
+  EXPECT_FLOAT_EQ(ray.upper_limit(3.0f), 12.0f);
+  EXPECT_LT(ray.lower_limit(3.0f), 12.0f);
+  EXPECT_GT(ray.upper_limit(3.0f), 12.0f);
+  EXPECT_LT(ray.lower_limit(-3.0f), -12.0f);
+  EXPECT_GT(ray.upper_limit(-3.0f), -12.0f);
+  EXPECT_EQ(ray.lower_limit(-kInfinity), -kInfinity);
+  EXPECT_EQ(ray.upper_limit(kInfinity), kInfinity);
 }
 
 TEST(RayBox, EntersAndLeavesWithinItsPadding) {
@@ -126,8 +132,8 @@ TEST(RayBox, EntersAndLeavesWithinItsPadding) {
 TEST(RayBox, ClipsToTheLimits) {
   Ray ray{.origin = {0.5f, 0.5f, -2}, .direction = {0, 0, 1}, .t_min = 2.25f, .t_max = 2.5f};
   const BoxSpan span = span_of(ray, kUnit, kUnit);
-  EXPECT_EQ(span.near, 2.25f);
-  EXPECT_EQ(span.far, 2.5f);
+  EXPECT_FLOAT_EQ(span.near, 2.25f);
+  EXPECT_FLOAT_EQ(span.far, 2.5f);
   ray.t_max = 1.5f;
   ray.t_min = 0.0f;
   EXPECT_FALSE(hits(ray, kUnit, kUnit));

@@ -13,6 +13,7 @@
 
 #include "support/mesh_rays.h"
 #include "support/meshes.h"
+#include "support/random.h"
 #include "support/trees.h"
 
 namespace treelet {
@@ -95,6 +96,22 @@ TEST(TraverseBvh8, AnEmptyTreeAndBadRaysMiss) {
   Tracer<Bvh8> tracer(bvh);
   EXPECT_TRUE(tracer.any({.origin = {0.5f, 0.25f, -1}, .direction = {0, 0, 1}}));
   EXPECT_FALSE(tracer.any({.origin = {0.5f, 0.25f, -1}, .direction = {0, 0, 0}}));
+}
+
+// Boxes are padded by the rounding of the slab test; from a million extents away that would be all
+// of the scene, if the test began there.
+TEST(TraverseBvh8, AFarOriginStillCulls) {
+  const test::OwnedMesh mesh = test::icosphere(5);
+  const References references = create_references(mesh.view());
+  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), {});
+  Tracer<Bvh8> tracer(bvh);
+  test::Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 target = random.point(-0.6f, 0.6f), away = random.point(-1.0f, 1.0f);
+    const Ray ray{.origin = target + away * 1e6f, .direction = away * -1.0f};
+    ASSERT_EQ(tracer.closest(ray), intersect_brute_force(mesh.view(), ray)) << "seed 3, ray " << i;
+    ASSERT_LT(tracer.work(ray).nodes, bvh.nodes.size() / 10) << "seed 3, ray " << i;
+  }
 }
 
 }  // namespace

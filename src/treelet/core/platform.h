@@ -7,7 +7,8 @@
 #define TREELET_HD
 #endif
 
-/// For what kernels of several instruction sets call (core/lanes.h): leaves no copy to the linker.
+/// For what kernels of several instruction sets call (core/lanes.inl): leaves no copy to the
+/// linker.
 #if defined(__GNUC__)
 #define TREELET_INLINE inline __attribute__((always_inline))
 #else

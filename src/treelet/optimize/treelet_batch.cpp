@@ -5,7 +5,7 @@
 
 namespace treelet {
 
-// Defined by treelet_batch_kernel.h in one file an instruction set.
+// Defined by treelet_batch_kernel.inl in one file an instruction set.
 namespace baseline {
 void solve_treelet_batch(const TreeletBatch&, const SahModel&, TreeletBatchCosts&);
 }

@@ -1,2 +1,2 @@
 #define TREELET_ISA avx2
-#include <treelet/optimize/treelet_batch_kernel.h>
+#include <treelet/optimize/treelet_batch_kernel.inl>

@@ -8,31 +8,55 @@ namespace {
 constexpr float kSmallestComponent = 0x1p-22f;  // of a direction whose largest is in [1, 2)
 constexpr float kPadding = 0x1p-20f;            // 16u
 constexpr float kSmallestPadding = 0x1p-140f;   // where products underflow: 2^-150 each
+constexpr float kRoundedOrigin = 0x1p-23f;  // 2u, of the coordinates of an origin that was moved
+constexpr float kFar = 8.0f;                // scene extents from which on moving it pays
+
+float largest_magnitude(Vec3 v) { return max(std::fabs(v.x), max(std::fabs(v.y), std::fabs(v.z))); }
 
 float largest_distance(Vec3 origin, const Aabb& scene) {
-  const Vec3 below = origin - scene.lower, above = scene.upper - origin;
-  float distance = 0.0f;
+  return max(largest_magnitude(origin - scene.lower), largest_magnitude(scene.upper - origin));
+}
+
+/// t where the ray comes nearest to the middle of the scene.
+double nearest_t(const Ray& ray, const Aabb& scene) {
+  double along = 0.0, length = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    distance = max(distance, max(std::fabs(below[axis]), std::fabs(above[axis])));
+    const double middle = 0.5 * (double(scene.lower[axis]) + scene.upper[axis]);
+    const double direction = ray.direction[axis];
+    along += (middle - ray.origin[axis]) * direction;
+    length += direction * direction;
   }
-  return distance;
+  return along / length;
+}
+
+Vec3 point_at(const Ray& ray, double t) {
+  return {float(ray.origin.x + t * ray.direction.x), float(ray.origin.y + t * ray.direction.y),
+          float(ray.origin.z + t * ray.direction.z)};
 }
 
 }  // namespace
 
-RayBox::RayBox(const Ray& ray, const Aabb& scene)
-    : origin{ray.origin.x, ray.origin.y, ray.origin.z} {
-  const Vec3 d = ray.direction;
-  const int exponent = std::ilogb(max(std::fabs(d.x), max(std::fabs(d.y), std::fabs(d.z))));
+RayBox::RayBox(const Ray& ray, const Aabb& scene) {
+  Vec3 start = ray.origin;
+  float distance = largest_distance(start, scene);
+  float pad = kPadding * distance;
+  if (distance > kFar * max_component(scene.extent())) {
+    t_shift = nearest_t(ray, scene);
+    start = point_at(ray, t_shift);
+    distance = largest_distance(start, scene);
+    pad = kPadding * distance + kRoundedOrigin * largest_magnitude(start);
+  }
+
+  const int exponent = std::ilogb(largest_magnitude(ray.direction));
   t_scale = std::ldexp(1.0, exponent);
   const double to_unit = std::ldexp(1.0, -exponent);
-  const float distance = largest_distance(ray.origin, scene);
   for (int axis = 0; axis < 3; ++axis) {
-    const float component = float(d[axis] * to_unit);
+    const float component = float(ray.direction[axis] * to_unit);
     const float raised = max(std::fabs(component), kSmallestComponent);
+    origin[axis] = start[axis];
     points_down[axis] = std::signbit(component);
     inverse[axis] = std::copysign(1.0f / raised, component);
-    padding[axis] = (kPadding * distance + kSmallestPadding) / raised;
+    padding[axis] = (pad + kSmallestPadding) / raised;
   }
 }
 

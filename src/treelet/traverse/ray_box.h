@@ -11,24 +11,40 @@
 // difference, the reciprocal, the product, the padding and the limit it is compared with. A
 // direction component below 2^-22 of the largest is raised to that, which moves the ray by 4u R at
 // most over the scene. So both planes are moved apart by 16u R. The ray brings this padding, the
-// boxes stay exact, and a ray from far away, whose own rounding is larger, gets more. Differs from
-// [Ize2013], who scales t_far alone: that loses ties in t and negative t.
+// boxes stay exact.
+//
+// For an origin far outside the scene, R would make the padding larger than the scene's details.
+// The slab test then starts at another point of the ray, near the scene; rounding that point to
+// floats costs another u of its coordinates. Limits on t, which were rounded when t was large, are
+// widened by an ulp. Differs from [Ize2013], who scales t_far alone: that loses ties in t and
+// negative t.
 
 namespace treelet {
 
-/// What the slab test needs of a ray. It measures t in units of 2^k directions such that the
-/// largest component is in [1, 2): no reciprocal overflows, however long the direction.
+/// What the slab test needs of a ray. It measures t from its own origin in units of 2^k directions
+/// such that the largest component is in [1, 2): no reciprocal overflows, however long the
+/// direction.
 struct RayBox {
   float origin[3];
   float inverse[3];
   float padding[3];  ///< in slab t
   bool points_down[3];
-  double t_scale;  ///< slab t over the ray's t
+  double t_shift = 0.0;  ///< the ray's t at the slab test's origin
+  double t_scale;        ///< slab t over the ray's t
 
   RayBox(const Ray& ray, const Aabb& scene);
 
-  /// A limit on the ray's t as a limit on slab t.
-  TREELET_INLINE float to_slab(float t) const { return float(t * t_scale); }
+  // Limits on the ray's t as limits on slab t, an ulp wider.
+  TREELET_INLINE float lower_limit(float t) const {
+    return float((t - magnitude(t) * kUlp - t_shift) * t_scale);
+  }
+  TREELET_INLINE float upper_limit(float t) const {
+    return float((t + magnitude(t) * kUlp - t_shift) * t_scale);
+  }
+
+ private:
+  static constexpr double kUlp = 0x1p-23;
+  static TREELET_INLINE double magnitude(float t) { return t < 0.0f ? -t : t; }
 };
 
 /// Where a ray enters and leaves a box, in slab t; it misses where near > far.

@@ -26,8 +26,8 @@ class Bvh2Traversal {
         shear_(ray),
         visitor_(visitor),
         stack_(stack.entries()),
-        t_min_(box_.to_slab(ray.t_min)),
-        t_limit_(box_.to_slab(visitor.t_limit())) {}
+        t_min_(box_.lower_limit(ray.t_min)),
+        t_limit_(box_.upper_limit(visitor.t_limit())) {}
 
   void run() {
     std::uint32_t node = 0;
@@ -68,7 +68,7 @@ class Bvh2Traversal {
       TriangleHit hit;
       if (!intersect(shear_, packed.triangle(), hit)) continue;
       if (visitor_.visit(packed.face, hit)) return true;
-      t_limit_ = box_.to_slab(visitor_.t_limit());
+      t_limit_ = box_.upper_limit(visitor_.t_limit());
     }
     return false;
   }

@@ -2,7 +2,7 @@
 
 namespace treelet {
 
-// Defined by traverse_bvh8_kernel.h in one file an instruction set.
+// Defined by traverse_bvh8_kernel.inl in one file an instruction set.
 namespace baseline {
 Bvh8Tracer bvh8_tracer();
 }

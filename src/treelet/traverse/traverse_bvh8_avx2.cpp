@@ -1,2 +1,2 @@
 #define TREELET_ISA avx2
-#include <treelet/traverse/traverse_bvh8_kernel.h>
+#include <treelet/traverse/traverse_bvh8_kernel.inl>

@@ -1,10 +1,10 @@
-// The treelet solver, one treelet a lane; see core/lanes.h for how it is included and what it must
-// not call. The same recurrence in the same order as treelet_solver.cpp. Subset sums of boxes and
-// counts come in two halves, low leaves and high leaves, so that all tables stay in the first
+// The treelet solver, one treelet a lane; see core/lanes.inl for how it is included and what it
+// must not call. The same recurrence in the same order as treelet_solver.cpp. Subset sums of boxes
+// and counts come in two halves, low leaves and high leaves, so that all tables stay in the first
 // cache.
 
-#include <treelet/core/lanes.h>
 #include <treelet/optimize/treelet_batch.h>
+#include <treelet/core/lanes.inl>
 
 namespace treelet::TREELET_ISA {
 namespace {

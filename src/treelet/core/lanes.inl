@@ -6,7 +6,7 @@
 #include <treelet/core/platform.h>
 
 #if !defined(TREELET_ISA)
-#error "define TREELET_ISA as baseline, avx2 or avx512 before including core/lanes.h"
+#error "define TREELET_ISA as baseline, avx2 or avx512 before including core/lanes.inl"
 #endif
 
 #if defined(__SSE2__)

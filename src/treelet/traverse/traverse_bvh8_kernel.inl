@@ -1,10 +1,10 @@
 // Traversal of the wide layout: a ray against eight boxes, then against four triangles at once. See
-// core/lanes.h for how this is included and what it must not call.
+// core/lanes.inl for how this is included and what it must not call.
 
-#include <treelet/core/lanes.h>
 #include <treelet/traverse/ray_box.h>
 #include <treelet/traverse/ray_triangle.h>
 #include <treelet/traverse/traverse_bvh8.h>
+#include <treelet/core/lanes.inl>
 
 namespace treelet::TREELET_ISA {
 namespace {
@@ -116,12 +116,12 @@ class Bvh8Traversal {
       : nodes_(bvh.nodes),
         blocks_(bvh.blocks),
         box_(box),
-        wide_box_(box, box.to_slab(ray.t_min)),
+        wide_box_(box, box.lower_limit(ray.t_min)),
         shear_(shear),
         wide_shear_(shear),
         visitor_(visitor),
         stack_(stack),
-        limit_(box.to_slab(visitor.t_limit())) {}
+        limit_(box.upper_limit(visitor.t_limit())) {}
 
   TREELET_INLINE void run() {
     TraversalStack::Entry* top = stack_;
@@ -188,7 +188,7 @@ class Bvh8Traversal {
     TriangleHit hit;
     if (!intersect_exactly(shear_, triangle, hit)) return false;
     if (visitor_.visit(block.face[lane], hit)) return true;
-    limit_ = box_.to_slab(visitor_.t_limit());
+    limit_ = box_.upper_limit(visitor_.t_limit());
     return false;
   }
 
