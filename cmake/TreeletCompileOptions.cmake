@@ -7,6 +7,7 @@
 function(treelet_exact_floats target visibility)
   target_compile_options(${target} ${visibility}
     "$<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang,AppleClang>:-ffp-contract=off>"
+    "$<$<COMPILE_LANG_AND_ID:CXX,IntelLLVM>:-ffp-contract=off;-fp-model=precise>"
     "$<$<COMPILE_LANG_AND_ID:CXX,MSVC>:/fp:precise>")
 endfunction()
 

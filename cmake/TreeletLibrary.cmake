@@ -12,16 +12,26 @@ add_library(treelet ${treelet_sources})
 add_library(treelet::treelet ALIAS treelet)
 
 # Kernels are compiled once an instruction set and chosen at run time (core/isa.h).
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND NOT MSVC)
+set(processor "${CMAKE_SYSTEM_PROCESSOR}")
+if(CMAKE_OSX_ARCHITECTURES)
+  set(processor "${CMAKE_OSX_ARCHITECTURES}")  # a universal build gets the baseline alone
+endif()
+if(processor MATCHES "^(x86_64|AMD64)$")
   file(GLOB avx2_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/treelet/*/*_avx2.cpp")
   file(GLOB avx512_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/treelet/*/*_avx512.cpp")
-  set_source_files_properties(${avx2_sources} PROPERTIES COMPILE_OPTIONS "-march=x86-64-v3")
-  set_source_files_properties(${avx512_sources} PROPERTIES COMPILE_OPTIONS "-march=x86-64-v4")
+  # Just what core/isa.cpp asks the processor for. Never without optimisation: inline functions of
+  # the standard library would stay behind as symbols that the linker may give to all files.
+  set(avx2_flags -mavx2 -mfma -mbmi -mbmi2)
+  set(avx512_flags ${avx2_flags} -mavx512f -mavx512bw -mavx512cd -mavx512dq -mavx512vl)
+  set(optimised "$<$<CONFIG:Debug,>:-O1>")
+  set_source_files_properties(${avx2_sources} PROPERTIES COMPILE_OPTIONS "${avx2_flags};${optimised}")
+  set_source_files_properties(${avx512_sources} PROPERTIES COMPILE_OPTIONS "${avx512_flags};${optimised}")
 endif()
 
 target_compile_features(treelet PUBLIC cxx_std_20)
 set_target_properties(treelet PROPERTIES
   CXX_EXTENSIONS OFF
+  UNITY_BUILD OFF  # files have constants of the same name
   POSITION_INDEPENDENT_CODE ON  # the static library also goes into Python's extension module
   WINDOWS_EXPORT_ALL_SYMBOLS ON
   VERSION ${PROJECT_VERSION}

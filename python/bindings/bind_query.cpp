@@ -98,11 +98,7 @@ nb::tuple intersect_brute_force(const Vec3Array& vertices, const FaceArray& face
     treelet::check_indices(mesh);
     const treelet::HitArrays out = hits.arrays();
     treelet::parallel_for(rays, 1, [&](std::size_t i) {
-      const treelet::Hit hit = treelet::intersect_brute_force(mesh, batch[i]);
-      out.t[i] = hit.t;
-      out.face[i] = hit.face;
-      out.u[i] = hit.u;
-      out.v[i] = hit.v;
+      out.set(i, treelet::intersect_brute_force(mesh, batch[i]));
     });
   }
   return hits.to_python();

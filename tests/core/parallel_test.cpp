@@ -237,5 +237,14 @@ TEST(ParallelReduce, SumsFloatsToTheSameBits) {
   }
 }
 
+// More than any system gives: loops run with what there is. Not under sanitizers, which keep books
+// for each thread.
+TEST(SlowParallel, AsksForMoreThreadsThanThereAre) {
+  const test::ThreadCountScope scope(100000);
+  std::atomic<int> sum = 0;
+  parallel_for(1000, 10, [&](std::size_t i) { sum += int(i); });
+  EXPECT_EQ(sum, 499500);
+}
+
 }  // namespace
 }  // namespace treelet

@@ -9,6 +9,7 @@
 
 #include <cstring>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,12 @@ TEST(PackBvh8, GivesTheSameBytesForAnyNumberOfThreads) {
   }
 }
 
+TEST(PackBvh8, RefusesLeavesThatItsNodesCannotName) {
+  for (const std::uint32_t leaf_limit : {0u, 17u}) {
+    EXPECT_THROW(pack(test::one_triangle(), {.leaf_limit = leaf_limit}), std::invalid_argument);
+  }
+}
+
 TEST(PackBvh8, TakesFewBytesATriangle) {
   const Bvh8 bvh = pack(test::icosphere(6));
   EXPECT_LT(double(bvh.bytes()) / double(bvh.triangle_count), 85.0);
@@ -105,7 +112,7 @@ TEST(ValidateBvh8, FindsWhatIsBroken) {
     return sentences.empty() ? std::string() : sentences.front();
   };
   EXPECT_EQ(broken_by([](Bvh8&) {}), "");
-  EXPECT_EQ(broken_by([](Bvh8& bvh) { bvh.nodes[0].upper[1][0] = -5.0f; }),
+  EXPECT_EQ(broken_by([](Bvh8& bvh) { bvh.nodes[0].planes[4][0] = -5.0f; }),
             "child 7 of node 1 sticks out of its parent's box");
   EXPECT_EQ(broken_by([](Bvh8& bvh) { bvh.bounds.upper.x = 0.0f; }).substr(0, 5), "child");
   EXPECT_EQ(broken_by([](Bvh8& bvh) { bvh.blocks[0].face[0] = 12345; }),

@@ -8,6 +8,7 @@
 #include <treelet/tree/validate.h>
 
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -200,6 +201,18 @@ TEST(Restructure, GivesTheSameBytesForAnyNumberOfThreads) {
     restructure_treelets(tree, {}, {});
     if (threads == 1) expected = copy_of(tree);
     EXPECT_TRUE(test::equal_bytes(tree, expected)) << threads << " threads";
+  }
+}
+
+TEST(RestructureTreelets, RefusesSizesThatItsTablesDoNotHold) {
+  BinaryTree tree;
+  for (const int size : {3, 9, -1}) {
+    try {
+      restructure_treelets(tree, {}, {.size = size});
+      ADD_FAILURE() << "size " << size << " was accepted";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), "treelets have 4 to 8 leaves, not " + std::to_string(size));
+    }
   }
 }
 

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -204,6 +205,31 @@ TYPED_TEST(Batches, WorkIsNoneWithoutARayOrATree) {
   rays[0].direction = {0, 0, 0};
   count_work(this->bvh_, RayBatch(rays), std::span(work));
   EXPECT_EQ(work[0].nodes + work[0].triangles, 0u);
+}
+
+TEST(RayBatch, WithoutLimitsMeansAllOfTheRay) {
+  const test::OwnedMesh mesh = test::two_triangles();
+  const Bvh bvh = build(mesh.view());
+  const Vec3 origin{0.5f, 0.25f, -1}, direction{0, 0, 1};
+  RayBatch batch;
+  batch.size = 3;
+  batch.origins = {&origin, 0};
+  batch.directions = {&direction, 0};
+  bool occluded[3] = {};
+  bvh.find_occluded(batch, occluded);
+  EXPECT_TRUE(occluded[0] && occluded[1] && occluded[2]);
+}
+
+TEST(Batches, RefuseTooLittleRoom) {
+  const Bvh bvh = build(test::two_triangles().view());
+  const std::vector<Ray> rays(3);
+  bool occluded[2];
+  try {
+    bvh.find_occluded(RayBatch(rays), occluded);
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "there is room for 2 answers to 3 rays");
+  }
 }
 
 }  // namespace

@@ -123,17 +123,17 @@ TEST(RayBox, MeasuresTInPowersOfTwoOfTheDirection) {
 TEST(RayBox, EntersAndLeavesWithinItsPadding) {
   const Ray ray{.origin = {0.5f, 0.5f, -2}, .direction = {0, 0, 1}};
   const BoxSpan span = span_of(ray, kUnit, kUnit);
-  EXPECT_LE(span.near, 2.0f);
-  EXPECT_GE(span.far, 3.0f);
-  EXPECT_NEAR(span.near, 2.0f, 1e-4f);
-  EXPECT_NEAR(span.far, 3.0f, 1e-4f);
+  EXPECT_LE(span.enter, 2.0f);
+  EXPECT_GE(span.leave, 3.0f);
+  EXPECT_NEAR(span.enter, 2.0f, 1e-4f);
+  EXPECT_NEAR(span.leave, 3.0f, 1e-4f);
 }
 
 TEST(RayBox, ClipsToTheLimits) {
   Ray ray{.origin = {0.5f, 0.5f, -2}, .direction = {0, 0, 1}, .t_min = 2.25f, .t_max = 2.5f};
   const BoxSpan span = span_of(ray, kUnit, kUnit);
-  EXPECT_FLOAT_EQ(span.near, 2.25f);
-  EXPECT_FLOAT_EQ(span.far, 2.5f);
+  EXPECT_FLOAT_EQ(span.enter, 2.25f);
+  EXPECT_FLOAT_EQ(span.leave, 2.5f);
   ray.t_max = 1.5f;
   ray.t_min = 0.0f;
   EXPECT_FALSE(hits(ray, kUnit, kUnit));

@@ -10,7 +10,7 @@ void fill_and_check(TraversalStack& stack, std::uint32_t depth) {
   for (std::uint32_t i = 0; i < depth; ++i) entries[i] = {i, float(i)};
   for (std::uint32_t i = 0; i < depth; ++i) {
     ASSERT_EQ(entries[i].node, i);
-    ASSERT_EQ(entries[i].near, float(i));
+    ASSERT_EQ(entries[i].enter, float(i));
   }
 }
 

@@ -64,7 +64,7 @@ TEST(ClosestHit, CountsItsWork) {
   ClosestHit<Counting> visitor(between(0, 9));
   visitor.count_node();
   visitor.count_node();
-  visitor.count_triangle();
+  visitor.count_triangles(1);
   EXPECT_EQ(visitor.work.nodes, 2u);
   EXPECT_EQ(visitor.work.triangles, 1u);
 }

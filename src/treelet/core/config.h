@@ -2,7 +2,7 @@
 
 namespace treelet {
 
-/// Debug builds check the tree after every stage of a build.
+/// Whether every stage of a build is followed by a check; the CMake option TREELET_VALIDATE_STAGES.
 #if defined(TREELET_VALIDATE_STAGES) && TREELET_VALIDATE_STAGES
 inline constexpr bool kValidateStages = true;
 #else

@@ -1,14 +1,17 @@
 #include <treelet/core/exact.h>
 
 #include <array>
+#include <cfloat>
 #include <cmath>
 
-// Expansions after [Shewchuk1997]: a value is the exact sum of doubles that do not overlap, in
-// increasing magnitude. Products of three floats and their rounding errors stay between 1e-240 and
-// 1e120, so nothing here overflows or underflows.
+// Expansions after [Shewchuk1997]: a value is the exact sum of doubles in increasing magnitude, no
+// two of which have bits in adjacent places. Products of three floats and their rounding errors
+// stay between 1e-240 and 1e120, so nothing here overflows or underflows.
 
 namespace treelet {
 namespace {
+
+static_assert(FLT_EVAL_METHOD == 0, "doubles must be rounded to double: use SSE2, not x87");
 
 struct TwoTerms {
   double high, low;  // high + low is exact, high its rounding
@@ -50,8 +53,8 @@ class Expansion {
     }
   }
 
-  /// The terms do not overlap: the largest decides the sign, and summing from the small end up
-  /// keeps it.
+  /// Adding a term to a nonadjacent expansion leaves a nonadjacent one, so the largest term decides
+  /// the sign, and summing from the small end up keeps it.
   double rounded() const {
     double sum = 0.0;
     for (int i = 0; i < size_; ++i) sum += terms_[i];

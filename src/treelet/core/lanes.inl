@@ -9,6 +9,9 @@
 #error "define TREELET_ISA as baseline, avx2 or avx512 before including core/lanes.inl"
 #endif
 
+#if !defined(__GNUC__)
+#error "treelet's kernels need the vector extensions of GCC or Clang (clang-cl on Windows)"
+#endif
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -24,8 +27,6 @@ constexpr int kNativeLanes = 8;
 #else
 constexpr int kNativeLanes = 4;
 #endif
-
-#if defined(__GNUC__)
 
 // One by one: GCC ignores a vector size that depends on a template's parameter.
 template <int N>
@@ -64,59 +65,6 @@ TREELET_INLINE L broadcast(float x) {
   return L{} + x;
 }
 
-#else
-
-template <int N>
-struct alignas(4 * N) Lanes {
-  float value[N];
-
-  float operator[](int i) const { return value[i]; }
-};
-
-template <int N, class Operation>
-TREELET_INLINE Lanes<N> lane_by_lane(Operation operation) {
-  Lanes<N> result;
-  for (int i = 0; i < N; ++i) result.value[i] = operation(i);
-  return result;
-}
-template <int N>
-TREELET_INLINE Lanes<N> operator+(const Lanes<N>& a, const Lanes<N>& b) {
-  return lane_by_lane<N>([&](int i) { return a[i] + b[i]; });
-}
-template <int N>
-TREELET_INLINE Lanes<N> operator-(const Lanes<N>& a, const Lanes<N>& b) {
-  return lane_by_lane<N>([&](int i) { return a[i] - b[i]; });
-}
-template <int N>
-TREELET_INLINE Lanes<N> operator-(const Lanes<N>& a) {
-  return lane_by_lane<N>([&](int i) { return -a[i]; });
-}
-template <int N>
-TREELET_INLINE Lanes<N> operator*(const Lanes<N>& a, const Lanes<N>& b) {
-  return lane_by_lane<N>([&](int i) { return a[i] * b[i]; });
-}
-template <int N>
-TREELET_INLINE Lanes<N> min(const Lanes<N>& a, const Lanes<N>& b) {
-  return lane_by_lane<N>([&](int i) { return b[i] < a[i] ? b[i] : a[i]; });
-}
-template <int N>
-TREELET_INLINE Lanes<N> max(const Lanes<N>& a, const Lanes<N>& b) {
-  return lane_by_lane<N>([&](int i) { return a[i] < b[i] ? b[i] : a[i]; });
-}
-template <int N>
-TREELET_INLINE Lanes<N> select_if_at_most(const Lanes<N>& x, const Lanes<N>& limit,
-                                          const Lanes<N>& yes, const Lanes<N>& no) {
-  return lane_by_lane<N>([&](int i) { return x[i] <= limit[i] ? yes[i] : no[i]; });
-}
-template <class L>
-TREELET_INLINE L broadcast(float x) {
-  L result;
-  for (float& value : result.value) value = x;
-  return result;
-}
-
-#endif
-
 #if defined(__AVX512VL__)
 #define TREELET_COMPARE_256(a, b, op) unsigned(_mm256_cmp_ps_mask((__m256)a, (__m256)b, op))
 #define TREELET_COMPARE_128(a, b, op) unsigned(_mm_cmp_ps_mask((__m128)a, (__m128)b, op))
@@ -133,7 +81,7 @@ TREELET_INLINE unsigned at_most_mask(L a, L b) {
 #if defined(__AVX__)
   if constexpr (sizeof(L) == 32) return TREELET_COMPARE_256(a, b, _CMP_LE_OQ);
   if constexpr (sizeof(L) == 16) return TREELET_COMPARE_128(a, b, _CMP_LE_OQ);
-#elif defined(__SSE2__) && defined(__GNUC__)
+#elif defined(__SSE2__)
   if constexpr (sizeof(L) == 16) {
     return unsigned(_mm_movemask_ps(_mm_cmple_ps((__m128)a, (__m128)b)));
   }
@@ -149,7 +97,7 @@ TREELET_INLINE unsigned less_mask(L a, L b) {
 #if defined(__AVX__)
   if constexpr (sizeof(L) == 32) return TREELET_COMPARE_256(a, b, _CMP_LT_OQ);
   if constexpr (sizeof(L) == 16) return TREELET_COMPARE_128(a, b, _CMP_LT_OQ);
-#elif defined(__SSE2__) && defined(__GNUC__)
+#elif defined(__SSE2__)
   if constexpr (sizeof(L) == 16) {
     return unsigned(_mm_movemask_ps(_mm_cmplt_ps((__m128)a, (__m128)b)));
   }

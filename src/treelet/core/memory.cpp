@@ -6,7 +6,7 @@
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif
-#if defined(_MSC_VER)
+#if defined(_WIN32)
 #include <malloc.h>
 #endif
 
@@ -26,7 +26,7 @@ void* allocate_bytes(std::size_t bytes) {
   const std::size_t alignment = bytes >= 2 * kHugePage ? kHugePage : kCacheLine;
   const std::size_t size = round_up(bytes, alignment);
   if (size < bytes) throw std::bad_alloc();
-#if defined(_MSC_VER)
+#if defined(_WIN32)
   void* memory = _aligned_malloc(size, alignment);
 #else
   void* memory = std::aligned_alloc(alignment, size);
@@ -39,7 +39,7 @@ void* allocate_bytes(std::size_t bytes) {
 }
 
 void free_bytes(void* memory) noexcept {
-#if defined(_MSC_VER)
+#if defined(_WIN32)
   _aligned_free(memory);
 #else
   std::free(memory);

@@ -51,8 +51,14 @@ thread_local ThreadPool* surrounding_pool = nullptr;
 /// nested and concurrent loops finish even when every worker is busy elsewhere.
 class ThreadPool {
  public:
+  /// Has fewer threads where the system gives no more.
   explicit ThreadPool(unsigned threads) : threads_(threads) {
-    for (unsigned i = 1; i < threads; ++i) workers_.emplace_back([this] { help_until_stopped(); });
+    try {
+      for (unsigned i = 1; i < threads; ++i) {
+        workers_.emplace_back([this] { help_until_stopped(); });
+      }
+    } catch (const std::exception&) {
+    }
   }
   ~ThreadPool() {
     {
@@ -123,6 +129,7 @@ PoolSlot* slot = nullptr;
 
 void forget_pool_after_fork() {
   // The child has the memory of the pool but none of its threads, and its mutexes may be locked.
+  surrounding_pool = nullptr;
   if (slot == nullptr) return;
   const unsigned threads = slot->threads;
   slot = new PoolSlot;
@@ -147,6 +154,15 @@ std::shared_ptr<ThreadPool> acquire_pool() {
   return current.pool;
 }
 
+/// Marks this thread as inside a loop of the pool.
+class InsidePool {
+ public:
+  explicit InsidePool(ThreadPool& pool) { surrounding_pool = &pool; }
+  ~InsidePool() { surrounding_pool = nullptr; }
+  InsidePool(const InsidePool&) = delete;
+  InsidePool& operator=(const InsidePool&) = delete;
+};
+
 }  // namespace
 
 unsigned thread_count() {
@@ -170,9 +186,8 @@ void detail::run_chunks(std::size_t chunk_count, ChunkFunction function, void* c
     surrounding_pool->run(job);
   } else {
     const std::shared_ptr<ThreadPool> pool = acquire_pool();
-    surrounding_pool = pool.get();
+    const InsidePool inside(*pool);
     pool->run(job);
-    surrounding_pool = nullptr;
   }
   if (job.error) std::rethrow_exception(job.error);
 }

@@ -10,7 +10,8 @@ namespace treelet {
 /// Threads that work on a parallel loop, the caller included.
 unsigned thread_count();
 
-/// 0 means one a hardware thread. Loops already running finish with the threads they have.
+/// 0 means one a hardware thread; loops run with fewer where the system gives no more. Loops
+/// already running finish with the threads they have.
 void set_thread_count(unsigned count);
 
 namespace detail {

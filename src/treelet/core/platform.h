@@ -1,5 +1,9 @@
 #pragma once
 
+#if defined(__FAST_MATH__)
+#error "treelet's answers rest on exact rounding: compile without -ffast-math"
+#endif
+
 /// Marks a step that host loops and device kernels share.
 #if defined(__CUDACC__)
 #define TREELET_HD __host__ __device__

@@ -1,5 +1,7 @@
 #include <treelet/core/stage.h>
 
+#include <new>
+
 namespace treelet {
 namespace {
 
@@ -13,7 +15,11 @@ StageRecorder::~StageRecorder() { listener = outer_; }
 Stage::~Stage() {
   if (listener == nullptr) return;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  listener->stages_.push_back({name_, elapsed.count()});
+  try {
+    listener->stages_.push_back({name_, elapsed.count()});
+  } catch (const std::bad_alloc&) {
+    // A time is lost; a destructor must not throw.
+  }
 }
 
 }  // namespace treelet

@@ -32,6 +32,7 @@ static_assert(sizeof(TriangleBlock) == 160);
 struct WideChild {
   static constexpr std::uint32_t kLeafBit = 0x80000000;
   static constexpr std::uint32_t kMaxBlocks = 4;
+  static constexpr std::uint32_t kMaxBlockIndex = 0x1fffffff;
   static constexpr std::uint32_t kNone = 0;  // the root is nobody's child
 
   std::uint32_t bits;
@@ -43,7 +44,7 @@ struct WideChild {
   TREELET_INLINE constexpr bool is_leaf() const { return (bits & kLeafBit) != 0; }
   TREELET_INLINE constexpr bool is_none() const { return bits == kNone; }
   TREELET_INLINE constexpr std::uint32_t node() const { return bits; }
-  TREELET_INLINE constexpr std::uint32_t first_block() const { return bits & 0x1fffffff; }
+  TREELET_INLINE constexpr std::uint32_t first_block() const { return bits & kMaxBlockIndex; }
   TREELET_INLINE constexpr std::uint32_t block_count() const { return (bits >> 29 & 3) + 1; }
 };
 
@@ -52,18 +53,17 @@ struct WideChild {
 struct alignas(64) Bvh8Node {
   static constexpr int kChildren = 8;
 
-  float lower[3][kChildren];
-  float upper[3][kChildren];
+  float planes[6][kChildren];  ///< lower x, y, z, then upper x, y, z
   WideChild child[kChildren];
   std::uint32_t reserved[8];  ///< zero: fills the fourth cache line
 
   Aabb box(int i) const {
-    return {{lower[0][i], lower[1][i], lower[2][i]}, {upper[0][i], upper[1][i], upper[2][i]}};
+    return {{planes[0][i], planes[1][i], planes[2][i]}, {planes[3][i], planes[4][i], planes[5][i]}};
   }
   void set_box(int i, const Aabb& box) {
     for (int axis = 0; axis < 3; ++axis) {
-      lower[axis][i] = box.lower[axis];
-      upper[axis][i] = box.upper[axis];
+      planes[axis][i] = box.lower[axis];
+      planes[axis + 3][i] = box.upper[axis];
     }
   }
 };

@@ -73,7 +73,7 @@ LeafCollapse collapse_leaves(const BinaryTree& tree, const References& reference
   parallel_for(tree.nodes.size(), kGrain, [&](std::size_t slot) {
     if (tree.nodes[slot].is_leaf()) step.start_leaf(slot);
   });
-  visit_bottom_up(tree, 2, [&](std::uint32_t slot) { step.decide(slot); });
+  visit_bottom_up(tree, kAllInternal, [&](std::uint32_t slot) { step.decide(slot); });
   return step.take();
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <treelet/core/parallel.h>
@@ -204,8 +206,18 @@ void fit(Bvh8& bvh, std::uint32_t begin, std::uint32_t end) {
   }
 }
 
+void check_block_count(const std::vector<Part>& parts) {
+  std::size_t blocks = 0;
+  for (const Part& part : parts) blocks += part.size.blocks;
+  if (blocks <= WideChild::kMaxBlockIndex) return;
+  throw std::invalid_argument(
+      "the mesh needs " + std::to_string(blocks) + " blocks of triangles; " + "bvh8 holds " +
+      std::to_string(WideChild::kMaxBlockIndex) + ": use bvh2, larger leaves, or split the mesh");
+}
+
 /// Gives every part its place, in order, and the layout its memory.
 Bvh8 allocate(std::vector<Part>& parts) {
+  check_block_count(parts);
   Bvh8 bvh;
   Extent next;
   for (Part& part : parts) {
@@ -242,6 +254,11 @@ Bvh8 pack_parts(const Source& source, std::vector<Part>& parts) {
 
 Bvh8 pack_bvh8(const BinaryTree& tree, const References& references, const Mesh& mesh,
                const WideCostModel& model) {
+  constexpr std::uint32_t kLargestLeaf = WideChild::kMaxBlocks * kBlock;
+  if (model.leaf_limit < 1 || model.leaf_limit > kLargestLeaf) {
+    throw std::invalid_argument("leaves of bvh8 hold 1 to " + std::to_string(kLargestLeaf) +
+                                " triangles, not " + std::to_string(model.leaf_limit));
+  }
   if (tree.empty()) return {};
   const Array<WideChoice> choices = collapse_wide(tree, model);
   const Stage stage{"pack bvh8"};

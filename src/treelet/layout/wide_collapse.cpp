@@ -51,7 +51,7 @@ void choose_internal(const BinaryNode& node, const WideChoice& left, const WideC
   for (int children = 2; children < kWidth; ++children) {
     const std::size_t i = std::size_t(children);
     const float spread = distribute(left, right, children, choice.left_share[i]);
-    const bool whole = choice.cost[1] <= spread;
+    const bool whole = choice.cost[1] < spread;  // of equal costs, the fuller node
     choice.cost[i] = whole ? choice.cost[1] : spread;
     choice.stays_whole = std::uint8_t(choice.stays_whole | whole << children);
   }
@@ -65,7 +65,7 @@ Array<WideChoice> collapse_wide(const BinaryTree& tree, const WideCostModel& mod
   parallel_for(tree.nodes.size(), kGrain, [&](std::size_t slot) {
     if (tree.nodes[slot].is_leaf()) choose_leaf(tree.nodes[slot], model, choices[slot]);
   });
-  visit_bottom_up(tree, 2, [&](std::uint32_t slot) {
+  visit_bottom_up(tree, kAllInternal, [&](std::uint32_t slot) {
     const BinaryNode& node = tree.nodes[slot];
     choose_internal(node, choices[node.left()], choices[node.right()], model, choices[slot]);
   });

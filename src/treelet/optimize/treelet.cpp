@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <treelet/core/parallel.h>
@@ -15,8 +17,6 @@
 
 namespace treelet {
 namespace {
-
-constexpr std::uint32_t kAllInternal = 2;  // every internal node has at least two references
 
 /// What all treelets of a run share.
 struct Restructuring {
@@ -173,8 +173,16 @@ void restructure_top(Restructuring& shared, const std::vector<std::uint32_t>& to
   });
 }
 
+void check(const TreeletConfig& config) {
+  if (config.size >= kMinTreeletSize && config.size <= kMaxTreeletSize) return;
+  throw std::invalid_argument("treelets have " + std::to_string(kMinTreeletSize) + " to " +
+                              std::to_string(kMaxTreeletSize) + " leaves, not " +
+                              std::to_string(config.size));
+}
+
 template <class Worker>
 void restructure(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config) {
+  check(config);
   const Stage stage{"restructure treelets"};
   Restructuring shared(tree, sah, config);
   const TreeCut cut = cut_tree(tree);

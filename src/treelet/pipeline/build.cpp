@@ -75,7 +75,7 @@ class Pipeline {
       : mesh_(mesh), recipe_(recipe), options_(options) {}
 
   Bvh run() {
-    const StageRecorder recorder;
+    StageRecorder recorder;
     const auto start = std::chrono::steady_clock::now();
     Bvh bvh;
     bvh.sah.leaf_limit = std::uint32_t(recipe_.layout.value("leaf"));

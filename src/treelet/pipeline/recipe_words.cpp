@@ -2,11 +2,14 @@
 
 #include <array>
 
+#include <treelet/layout/bvh8.h>
+#include <treelet/optimize/subset_tables.h>
+
 namespace treelet {
 namespace {
 
 constexpr std::array<WordParameter, 3> kTreeletParameters{{
-    {"size", 7, 4, 8, "leaves of a treelet"},
+    {"size", 7, kMinTreeletSize, kMaxTreeletSize, "leaves of a treelet"},
     {"rounds", 3, 0, 16, "passes over the tree"},
     {"gamma", 0, 0, 1e9,
      "references below a treelet's root at least, doubled each round; 0 stands for size"},
@@ -17,7 +20,8 @@ constexpr std::array<WordParameter, 1> kBvh2Parameters{{
 }};
 
 constexpr std::array<WordParameter, 1> kBvh8Parameters{{
-    {"leaf", 8, 1, 16, "triangles in a leaf at most"},
+    {"leaf", 8, 1, WideChild::kMaxBlocks * TriangleBlock::kTriangles,
+     "triangles in a leaf at most"},
 }};
 
 constexpr std::array<RecipeWord, 5> kWords{{

@@ -1,5 +1,8 @@
 #include <treelet/query/intersect.h>
 
+#include <stdexcept>
+#include <string>
+
 #include <treelet/core/parallel.h>
 #include <treelet/traverse/tracer.h>
 
@@ -7,6 +10,12 @@ namespace treelet {
 namespace {
 
 constexpr std::size_t kRaysPerTask = 512;
+
+void check_room(std::size_t answers, const RayBatch& rays) {
+  if (answers >= rays.size) return;
+  throw std::invalid_argument("there is room for " + std::to_string(answers) + " answers to " +
+                              std::to_string(rays.size) + " rays");
+}
 
 /// Calls trace(tracer, ray index) for each ray of the batch.
 template <class Layout, class Trace>
@@ -31,27 +40,25 @@ bool is_occluded(const Layout& bvh, const Ray& ray) {
 
 template <class Layout>
 void intersect(const Layout& bvh, const RayBatch& rays, std::span<Hit> hits) {
+  check_room(hits.size(), rays);
   trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { hits[i] = tracer.closest(rays[i]); });
 }
 
 template <class Layout>
 void intersect(const Layout& bvh, const RayBatch& rays, const HitArrays& hits) {
-  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) {
-    const Hit hit = tracer.closest(rays[i]);
-    hits.t[i] = hit.t;
-    hits.face[i] = hit.face;
-    hits.u[i] = hit.u;
-    hits.v[i] = hit.v;
-  });
+  trace_batch(bvh, rays,
+              [&](auto& tracer, std::size_t i) { hits.set(i, tracer.closest(rays[i])); });
 }
 
 template <class Layout>
 void find_occluded(const Layout& bvh, const RayBatch& rays, std::span<bool> occluded) {
+  check_room(occluded.size(), rays);
   trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { occluded[i] = tracer.any(rays[i]); });
 }
 
 template <class Layout>
 void count_work(const Layout& bvh, const RayBatch& rays, std::span<Work> work) {
+  check_room(work.size(), rays);
   trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { work[i] = tracer.work(rays[i]); });
 }
 

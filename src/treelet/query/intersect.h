@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -15,10 +16,18 @@ struct HitArrays {
   float* t;
   std::int32_t* face;
   float *u, *v;
+
+  void set(std::size_t ray, const Hit& hit) const {
+    t[ray] = hit.t;
+    face[ray] = hit.face;
+    u[ray] = hit.u;
+    v[ray] = hit.v;
+  }
 };
 
 // All for the layouts Bvh2 and Bvh8, with the same answers. Batches run on all threads, and the
-// answers do not depend on how many; their outputs hold one value a ray.
+// answers do not depend on how many; their outputs hold one value a ray, and a shorter span is a
+// std::invalid_argument.
 
 /// Closest hit of one ray.
 template <class Layout>

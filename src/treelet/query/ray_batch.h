@@ -29,7 +29,7 @@ struct PerRay {
 struct RayBatch {
   std::size_t size = 0;
   PerRay<Vec3> origins, directions;
-  PerRay<float> t_min, t_max;
+  PerRay<float> t_min{&kDefaults.t_min, 0}, t_max{&kDefaults.t_max, 0};
 
   RayBatch() = default;
   RayBatch(std::span<const Ray> rays)  // NOLINT: an array of rays is a batch
@@ -42,6 +42,9 @@ struct RayBatch {
   }
 
   Ray operator[](std::size_t i) const { return {origins[i], directions[i], t_min[i], t_max[i]}; }
+
+ private:
+  static constexpr Ray kDefaults{};
 };
 
 }  // namespace treelet

@@ -8,8 +8,9 @@ namespace {
 constexpr float kSmallestComponent = 0x1p-22f;  // of a direction whose largest is in [1, 2)
 constexpr float kPadding = 0x1p-20f;            // 16u
 constexpr float kSmallestPadding = 0x1p-140f;   // where products underflow: 2^-150 each
-constexpr float kRoundedOrigin = 0x1p-23f;  // 2u, of the coordinates of an origin that was moved
-constexpr float kFar = 8.0f;                // scene extents from which on moving it pays
+constexpr float kRoundedOrigin = 0x1p-23f;   // 2u, of the coordinates of an origin that was moved
+constexpr float kDoubleRounding = 0x1p-51f;  // of origin + t * direction, four times 2^-53
+constexpr float kFar = 8.0f;                 // scene extents from which on moving it pays
 
 float largest_magnitude(Vec3 v) { return max(std::fabs(v.x), max(std::fabs(v.y), std::fabs(v.z))); }
 
@@ -41,10 +42,11 @@ RayBox::RayBox(const Ray& ray, const Aabb& scene) {
   float distance = largest_distance(start, scene);
   float pad = kPadding * distance;
   if (distance > kFar * max_component(scene.extent())) {
+    const float rounded_in_double = kDoubleRounding * distance;
     t_shift = nearest_t(ray, scene);
     start = point_at(ray, t_shift);
     distance = largest_distance(start, scene);
-    pad = kPadding * distance + kRoundedOrigin * largest_magnitude(start);
+    pad = kPadding * distance + kRoundedOrigin * largest_magnitude(start) + rounded_in_double;
   }
 
   const int exponent = std::ilogb(largest_magnitude(ray.direction));

@@ -15,9 +15,10 @@
 //
 // For an origin far outside the scene, R would make the padding larger than the scene's details.
 // The slab test then starts at another point of the ray, near the scene; rounding that point to
-// floats costs another u of its coordinates. Limits on t, which were rounded when t was large, are
-// widened by an ulp. Differs from [Ize2013], who scales t_far alone: that loses ties in t and
-// negative t.
+// floats costs another u of its coordinates, finding it in doubles 2^-52 R. Limits on t, which were
+// rounded when t was large, are widened by an ulp.
+//
+// Differs from [Ize2013], who scales t_far alone: that loses ties in t and negative t.
 
 namespace treelet {
 
@@ -36,22 +37,24 @@ struct RayBox {
 
   // Limits on the ray's t as limits on slab t, an ulp wider.
   TREELET_INLINE float lower_limit(float t) const {
-    return float((t - magnitude(t) * kUlp - t_shift) * t_scale);
+    return float((t - ulp(t) - t_shift) * t_scale);
   }
   TREELET_INLINE float upper_limit(float t) const {
-    return float((t + magnitude(t) * kUlp - t_shift) * t_scale);
+    return float((t + ulp(t) - t_shift) * t_scale);
   }
 
  private:
-  static constexpr double kUlp = 0x1p-23;
-  static TREELET_INLINE double magnitude(float t) { return t < 0.0f ? -t : t; }
+  /// At least one, also of a denormal.
+  static TREELET_INLINE double ulp(float t) {
+    return (t < 0.0f ? -double(t) : double(t)) * 0x1p-23 + 0x1p-149;
+  }
 };
 
-/// Where a ray enters and leaves a box, in slab t; it misses where near > far.
+/// Where a ray enters and leaves a box, in slab t; it misses where enter > leave.
 struct BoxSpan {
-  float near, far;
+  float enter, leave;
 
-  bool is_hit() const { return near <= far; }
+  bool is_hit() const { return enter <= leave; }
 };
 
 /// Clips [t_min, t_max], in slab t, to the box. NaN, from coordinates near the largest float, clips
@@ -62,10 +65,10 @@ inline BoxSpan intersect(const RayBox& ray, const Aabb& box, float t_min, float 
     const bool down = ray.points_down[axis];
     const float near_plane = down ? box.upper[axis] : box.lower[axis];
     const float far_plane = down ? box.lower[axis] : box.upper[axis];
-    const float near = (near_plane - ray.origin[axis]) * ray.inverse[axis] - ray.padding[axis];
-    const float far = (far_plane - ray.origin[axis]) * ray.inverse[axis] + ray.padding[axis];
-    span.near = near > span.near ? near : span.near;
-    span.far = far < span.far ? far : span.far;
+    const float near_t = (near_plane - ray.origin[axis]) * ray.inverse[axis] - ray.padding[axis];
+    const float far_t = (far_plane - ray.origin[axis]) * ray.inverse[axis] + ray.padding[axis];
+    span.enter = near_t > span.enter ? near_t : span.enter;
+    span.leave = far_t < span.leave ? far_t : span.leave;
   }
   return span;
 }

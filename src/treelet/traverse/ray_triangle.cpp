@@ -26,7 +26,9 @@ double edge_function(const ShearedVertex& p, const ShearedVertex& q) {
   return q.x * p.y - q.y * p.x;
 }
 
-/// The error bound of step 1 with u = 2^-53, and z scaled like x and y.
+/// Rounding moves a sheared coordinate by less than 4u z + 3u m, and an edge function by less than
+/// 16u m (m + z), to first order, with u = 2^-53 and z scaled like x and y; the bound is twice
+/// that.
 double error_bound(const RayShear& ray, const ShearedVertex& a, const ShearedVertex& b,
                    const ShearedVertex& c) {
   constexpr double kError = 0x1p-48;  // 32u
@@ -64,7 +66,8 @@ RayShear::RayShear(const Ray& ray) : origin(ray.origin), direction(ray.direction
 
 bool intersect_exactly(const RayShear& ray, const Triangle& triangle, TriangleHit& hit) {
   constexpr double inf = std::numeric_limits<double>::infinity();
-  constexpr double kAccurateSum = 0x1p26;  // error bounds in a sum: its error moves t by 1u at most
+  constexpr double kAccurateSum =
+      0x1p26;  // error bounds in a sum: its error moves a hit by u of the reach
   const ShearedVertex a = shear(ray, triangle.p0);
   const ShearedVertex b = shear(ray, triangle.p1);
   const ShearedVertex c = shear(ray, triangle.p2);

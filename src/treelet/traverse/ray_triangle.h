@@ -66,8 +66,8 @@ inline bool may_intersect(const RayShear& ray, const Triangle& triangle) {
   const float m = max(max(max(std::fabs(ax), std::fabs(ay)), max(std::fabs(bx), std::fabs(by))),
                       max(std::fabs(cx), std::fabs(cy)));
   const float z = max(std::fabs(a[kz]), max(std::fabs(b[kz]), std::fabs(c[kz])));
-  const float bound = kEdgeError * m * (m + z) + kSmallestNormal;
-  // Negated so that an overflow to infinity or NaN rejects nothing.
+  const float bound = kEdgeError * (m * (m + z)) + kSmallestNormal;
+  // Where a product overflows, so does m * (m + z), and an infinite bound or NaN rejects nothing.
   return !(min(u, min(v, w)) < -bound && max(u, max(v, w)) > bound);
 }
 

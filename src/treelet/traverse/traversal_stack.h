@@ -14,7 +14,7 @@ class TraversalStack {
  public:
   struct Entry {
     std::uint32_t node;
-    float near;  ///< slab t where the ray enters it
+    float enter;  ///< slab t where the ray enters it
   };
 
   explicit TraversalStack(std::size_t capacity) {

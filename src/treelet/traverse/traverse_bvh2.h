@@ -46,14 +46,15 @@ class Bvh2Traversal {
     const Bvh2Node& node = bvh_.nodes[index];
     const BoxSpan span[2] = {intersect(box_, node.box[0], t_min_, t_limit_),
                              intersect(box_, node.box[1], t_min_, t_limit_)};
-    const int nearer = span[1].near < span[0].near;
+    const int nearer = span[1].enter < span[0].enter;
     Entry internal[2];
     int count = 0;
     for (const int child : {nearer, 1 - nearer}) {
       if (!span[child].is_hit() || node.is_none(child)) continue;
       if (!node.is_leaf(child)) {
-        internal[count++] = {node.index[child], span[child].near};
-      } else if (span[child].near <= t_limit_ && visit_leaf(node.index[child], node.count[child])) {
+        internal[count++] = {node.index[child], span[child].enter};
+      } else if (span[child].enter <= t_limit_ &&
+                 visit_leaf(node.index[child], node.count[child])) {
         return false;
       }
     }
@@ -63,7 +64,7 @@ class Bvh2Traversal {
 
   bool visit_leaf(std::uint32_t first, std::uint32_t count) {
     for (std::uint32_t i = first; i < first + count; ++i) {
-      visitor_.count_triangle();
+      visitor_.count_triangles(1);
       const PackedTriangle& packed = bvh_.triangles[i];
       TriangleHit hit;
       if (!intersect(shear_, packed.triangle(), hit)) continue;
@@ -77,7 +78,7 @@ class Bvh2Traversal {
   bool next_node(std::uint32_t& node) {
     while (size_ > 0) {
       const Entry entry = stack_[--size_];
-      if (entry.near <= t_limit_) {
+      if (entry.enter <= t_limit_) {
         node = entry.node;
         return true;
       }

@@ -25,7 +25,7 @@ TREELET_INLINE void prefetch(const void* begin, unsigned bytes) {
 /// RayBox, broadcast to lanes; the slab test and its proof are those of traverse/ray_box.h.
 struct WideRayBox {
   BoxLanes origin[3], inverse[3], padding[3], t_min;
-  int near_row[3], far_row[3];  // of a node's six rows: lower x y z, upper x y z
+  int near_row[3], far_row[3];  // of a node's planes
 
   TREELET_INLINE WideRayBox(const RayBox& ray, float slab_t_min)
       : t_min(broadcast<BoxLanes>(slab_t_min)) {
@@ -34,25 +34,24 @@ struct WideRayBox {
       inverse[axis] = broadcast<BoxLanes>(ray.inverse[axis]);
       padding[axis] = broadcast<BoxLanes>(ray.padding[axis]);
       const bool down = ray.points_down[axis];
-      near_row[axis] = (down ? axis + 3 : axis) * kWidth;
-      far_row[axis] = (down ? axis : axis + 3) * kWidth;
+      near_row[axis] = down ? axis + 3 : axis;
+      far_row[axis] = down ? axis : axis + 3;
     }
   }
 
   /// Bit i: child i is met before the limit. Writes where each is entered.
   TREELET_INLINE unsigned intersect(const Bvh8Node& node, float limit, float* entered) const {
-    const float* rows = &node.lower[0][0];
     unsigned mask = 0;
     for (int lane = 0; lane < kWidth; lane += kBoxLanes) {
-      BoxLanes near = t_min, far = broadcast<BoxLanes>(limit);
+      BoxLanes enter = t_min, leave = broadcast<BoxLanes>(limit);
       for (int axis = 0; axis < 3; ++axis) {
-        const BoxLanes near_plane = load<BoxLanes>(rows + near_row[axis] + lane);
-        const BoxLanes far_plane = load<BoxLanes>(rows + far_row[axis] + lane);
-        near = max(near, (near_plane - origin[axis]) * inverse[axis] - padding[axis]);
-        far = min(far, (far_plane - origin[axis]) * inverse[axis] + padding[axis]);
+        const BoxLanes near_plane = load<BoxLanes>(node.planes[near_row[axis]] + lane);
+        const BoxLanes far_plane = load<BoxLanes>(node.planes[far_row[axis]] + lane);
+        enter = max(enter, (near_plane - origin[axis]) * inverse[axis] - padding[axis]);
+        leave = min(leave, (far_plane - origin[axis]) * inverse[axis] + padding[axis]);
       }
-      store(entered + lane, near);
-      mask |= at_most_mask(near, far) << lane;
+      store(entered + lane, enter);
+      mask |= at_most_mask(enter, leave) << lane;
     }
     return mask;
   }
@@ -93,7 +92,7 @@ struct WideRayShear {
     const TriangleLanes w = b.x * a.y - b.y * a.x;
     const TriangleLanes m = max(max(larger(a.x, a.y), larger(b.x, b.y)), larger(c.x, c.y));
     const TriangleLanes z = max(larger(a.z, b.z), larger(c.z, c.z));
-    const TriangleLanes bound = broadcast<TriangleLanes>(kEdgeError) * m * (m + z) +
+    const TriangleLanes bound = broadcast<TriangleLanes>(kEdgeError) * (m * (m + z)) +
                                 broadcast<TriangleLanes>(kSmallestNormal);
     const TriangleLanes least = min(u, min(v, w)), most = max(u, max(v, w));
     // A bit is kept where a bound is NaN, as it is where coordinates overflow.
@@ -128,7 +127,7 @@ class Bvh8Traversal {
     *top++ = {WideChild::kNone, -__builtin_inff()};  // the root has the number of no child
     while (top != stack_) {
       const TraversalStack::Entry entry = *--top;
-      if (entry.near > limit_) continue;
+      if (entry.enter > limit_) continue;
       const WideChild child{entry.node};
       if (!child.is_leaf()) {
         top = push_children(nodes_[child.node()], top);
@@ -153,7 +152,7 @@ class Bvh8Traversal {
       if (child.is_none()) break;  // met only where NaN clips nothing, and the last ones
       prefetch_child(child);
       TraversalStack::Entry* place = top++;
-      for (; place != first && place[-1].near < entered[i]; --place) *place = place[-1];
+      for (; place != first && place[-1].enter < entered[i]; --place) *place = place[-1];
       *place = {child.bits, entered[i]};
     }
     return top;
@@ -171,12 +170,18 @@ class Bvh8Traversal {
     const TriangleBlock* block = blocks_ + leaf.first_block();
     const TriangleBlock* const end = block + leaf.block_count();
     for (; block != end; ++block) {
-      visitor_.count_triangle();
+      visitor_.count_triangles(used_lanes(*block));
       for (unsigned mask = wide_shear_.may_intersect(*block); mask != 0; mask &= mask - 1) {
         if (visit_candidate(*block, lowest_bit(mask))) return true;
       }
     }
     return false;
+  }
+
+  static TREELET_INLINE unsigned used_lanes(const TriangleBlock& block) {
+    unsigned used = 0;
+    for (const std::uint32_t face : block.face) used += face != TriangleBlock::kNoFace;
+    return used;
   }
 
   TREELET_INLINE bool visit_candidate(const TriangleBlock& block, int lane) {

@@ -11,25 +11,25 @@
 //
 //     TREELET_INLINE float t_limit()                   no hit beyond this t matters any more
 //     bool visit(face, triangle_hit)    takes a hit of the ray's line; true ends the traversal
-//     TREELET_INLINE void count_node(), count_triangle()
+//     TREELET_INLINE void count_node(), count_triangles(n)
 
 namespace treelet {
 
 /// What tracing a ray took.
 struct Work {
-  std::uint32_t nodes = 0;      ///< whose two children's boxes were tested
+  std::uint32_t nodes = 0;      ///< whose children's boxes were tested
   std::uint32_t triangles = 0;  ///< tested
 };
 
 struct NoCounting {
   TREELET_INLINE void count_node() {}
-  TREELET_INLINE void count_triangle() {}
+  TREELET_INLINE void count_triangles(unsigned) {}
 };
 
 struct Counting {
   Work work;
   TREELET_INLINE void count_node() { ++work.nodes; }
-  TREELET_INLINE void count_triangle() { ++work.triangles; }
+  TREELET_INLINE void count_triangles(unsigned n) { work.triangles += n; }
 };
 
 /// Smallest t in [t_min, t_max]; of equal t the smaller face.

@@ -18,6 +18,9 @@ struct TreeCut {
 /// depends on the machine.
 constexpr std::uint32_t kSubtreeReferences = 4096;
 
+/// A min_count that all internal nodes have.
+constexpr std::uint32_t kAllInternal = 2;
+
 /// Reads only the counts.
 TreeCut cut_tree(const BinaryTree& tree);
 

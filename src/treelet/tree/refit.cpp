@@ -8,7 +8,6 @@ namespace treelet {
 namespace {
 
 constexpr std::size_t kGrain = 1 << 14;
-constexpr std::uint32_t kAllInternal = 2;  // every internal node has at least two references
 
 }  // namespace
 
