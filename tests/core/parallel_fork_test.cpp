@@ -13,11 +13,12 @@
 
 #include "support/threads.h"
 
-// The thread sanitizer does not follow a process with threads through fork().
-#if defined(__SANITIZE_THREAD__)
+// The thread sanitizer does not follow a process with threads through fork(), and the address
+// sanitizer's allocator may be locked by another thread when a fork copies it.
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define TREELET_CAN_FORK 0
 #elif defined(__has_feature)
-#define TREELET_CAN_FORK !__has_feature(thread_sanitizer)
+#define TREELET_CAN_FORK !__has_feature(thread_sanitizer) && !__has_feature(address_sanitizer)
 #else
 #define TREELET_CAN_FORK 1
 #endif
