@@ -11,7 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .polygon_text import read_obj, read_off, triangulate_fans
+from ._inputs import as_vertices
+from .ply import read_ply
+from .polygon_text import read_obj, read_off
+from .stl import read_stl
 from .view import View
 
 _KNOWN_EXTENSIONS = (".ply", ".obj", ".stl", ".off", ".glb", ".gltf", ".npz")
@@ -23,12 +26,12 @@ Arrays = tuple[NDArray[Any], NDArray[Any]]
 class Mesh:
     """Triangles with a name and views that show them well.
 
-    vertices: (V, 3) float32; faces: (F, 3) int32, each a vertex index. Other dtypes are converted; float64 is
-    rounded to the nearest float32. Raises ValueError for another shape or an index outside [0, V), and names
-    the first.
+    vertices: (V, 3) float32 or float64, kept as given, so that an offset can be subtracted before rounding;
+    other numbers become float64. faces: (F, 3) int32, each a vertex index; other integers are converted.
+    Raises ValueError for another shape or an index outside [0, V), and names the first.
     """
 
-    vertices: NDArray[np.float32]
+    vertices: NDArray[np.float32] | NDArray[np.float64]
     faces: NDArray[np.int32]
     name: str = ""
     views: tuple[View, ...] = ()
@@ -39,17 +42,25 @@ class Mesh:
             if array.ndim != 2 or array.shape[1] != 3:
                 raise ValueError(f"{label} must have shape (n, 3), not {array.shape}")
         _check_indices(faces, len(vertices))
-        with np.errstate(over="ignore"):  # beyond float32 is infinite, and build() counts such triangles
-            object.__setattr__(self, "vertices", np.ascontiguousarray(vertices, dtype=np.float32))
+        precision = np.float32 if vertices.dtype == np.float32 else np.float64
+        object.__setattr__(self, "vertices", np.ascontiguousarray(vertices, dtype=precision))
         object.__setattr__(self, "faces", np.ascontiguousarray(faces, dtype=np.int32))
         object.__setattr__(self, "views", tuple(self.views))
 
     @property
-    def bounds(self) -> NDArray[np.float32]:
-        """The lowest and highest coordinates, (2, 3) float32; zeros without vertices."""
+    def bounds(self) -> NDArray[np.float32] | NDArray[np.float64]:
+        """The lowest and highest coordinates, (2, 3) as precise as the vertices; zeros without vertices."""
         if len(self.vertices) == 0:
-            return np.zeros((2, 3), dtype=np.float32)
+            return np.zeros((2, 3), dtype=self.vertices.dtype)
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    def rounded(self) -> Mesh:
+        """The mesh that trees are built over: this one, or one with its vertices rounded to float32.
+
+        Issues a `treelet.PrecisionWarning` where `treelet.build` would.
+        """
+        vertices = as_vertices(self.vertices).array
+        return self if self.vertices.dtype == np.float32 else replace(self, vertices=vertices)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.faces):,} triangles, {len(self.vertices):,} vertices, {len(self.views)} views"
@@ -59,14 +70,15 @@ class Mesh:
 def load_mesh(path: str | os.PathLike[str], frame: int = 0) -> Mesh:
     """Reads a mesh file: .ply, .obj, .stl, .off, .glb, .gltf or .npz.
 
-    Nothing is cleaned: triangles keep the order of the file and vertices their positions (rounded to
-    float32); nothing is merged or left out. Polygons become fans of triangles in place; the parts of a glTF
-    scene are joined, each under its transform, in the order in which trimesh walks the scene. An .npz holds
-    `faces` (F, 3) and `vertices` (V, 3), or (K, V, 3) for an animation, of which `frame` is taken.
+    Nothing is cleaned: triangles keep the order of the file and vertices their positions, float32 where that
+    holds all of them exactly, else float64; nothing is merged or left out. Polygons become fans of triangles
+    in place; the parts of a glTF scene are joined, each under its transform, in the order in which trimesh
+    walks the scene. An .npz holds `faces` (F, 3) and `vertices` (V, 3), or (K, V, 3) for an animation, of
+    which `frame` is taken.
 
-    Raises FileNotFoundError; ValueError for an extension nobody knows, a damaged file or one without
-    triangles; ImportError for .ply, .stl, .glb and .gltf where trimesh is not installed (`pip install
-    treelet[mesh]`).
+    Raises FileNotFoundError; IsADirectoryError; ValueError for an extension nobody knows, a damaged file,
+    one without triangles or without that frame; ImportError for .glb and .gltf where trimesh is not installed
+    (`pip install treelet[mesh]`).
     """
     path = Path(path)
     extension = path.suffix.lower()
@@ -74,11 +86,14 @@ def load_mesh(path: str | os.PathLike[str], frame: int = 0) -> Mesh:
         raise ValueError(
             f"{path}: unknown mesh extension {extension!r}; known are {', '.join(_KNOWN_EXTENSIONS)}"
         )
+    if path.is_dir():
+        raise IsADirectoryError(f"{path}: is a directory, not a mesh file")
     if not path.is_file():
         raise FileNotFoundError(f"{path}: there is no such mesh file")
     read = _reader(extension)
     try:
-        mesh = Mesh(*read(path, frame), path.stem)
+        vertices, faces = read(path, frame)
+        mesh = Mesh(_as_precise_as_needed(np.asarray(vertices)), faces, path.stem)
     except MemoryError:
         raise
     except Exception as error:  # a damaged file makes the readers fail in every way there is
@@ -106,17 +121,43 @@ def _check_indices(faces: NDArray[Any], vertex_count: int) -> None:
     raise ValueError(f"face {face} names vertex {faces[face, corner]}, but there are {vertex_count} vertices")
 
 
+def _as_precise_as_needed(vertices: NDArray[Any]) -> NDArray[Any]:
+    """float32 where that changes nothing."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        rounded = vertices.astype(np.float32, copy=False)
+    is_number = vertices.dtype.kind in "fiu"
+    return rounded if not is_number or np.array_equal(rounded, vertices, equal_nan=True) else vertices
+
+
 def _reader(extension: str) -> Callable[[Path, int], Arrays]:
     if extension == ".npz":
         return _read_npz
+    if extension in (".glb", ".gltf"):
+        try:
+            import trimesh
+        except ImportError as error:
+            raise ImportError(
+                f"reading {extension} files needs trimesh: pip install treelet[mesh]"
+            ) from error
+        return _without_frames(lambda path: _read_with_trimesh(trimesh, path))
     if extension in (".obj", ".off"):
         parse = read_obj if extension == ".obj" else read_off
-        return lambda path, frame: parse(path.read_text(encoding="utf-8", errors="replace"))
-    try:
-        import trimesh
-    except ImportError as error:
-        raise ImportError(f"reading {extension} files needs trimesh: pip install treelet[mesh]") from error
-    return lambda path, frame: _read_with_trimesh(trimesh, path)
+        return _without_frames(lambda path: parse(path.read_text(encoding="utf-8-sig", errors="replace")))
+    read = read_ply if extension == ".ply" else read_stl
+    return _without_frames(lambda path: read(path.read_bytes()))
+
+
+def _without_frames(read: Callable[[Path], Arrays]) -> Callable[[Path, int], Arrays]:
+    def reader(path: Path, frame: int) -> Arrays:
+        _check_single_frame(frame)
+        return read(path)
+
+    return reader
+
+
+def _check_single_frame(frame: int) -> None:
+    if frame != 0:
+        raise ValueError(f"it is no animation, so there is no frame {frame}")
 
 
 def _read_npz(path: Path, frame: int) -> Arrays:
@@ -126,6 +167,7 @@ def _read_npz(path: Path, frame: int) -> Arrays:
             raise ValueError(f"it has no array {missing[0]!r}")
         vertices, faces = arrays["vertices"], arrays["faces"]
     if vertices.ndim != 3:
+        _check_single_frame(frame)
         return vertices, faces
     if not -len(vertices) <= frame < len(vertices):
         raise ValueError(f"it has {len(vertices)} frames, so there is no frame {frame}")
@@ -133,26 +175,11 @@ def _read_npz(path: Path, frame: int) -> Arrays:
 
 
 def _read_with_trimesh(trimesh: Any, path: Path) -> Arrays:
-    if path.suffix.lower() == ".stl":
-        _check_stl_size(path)
     # fix_texture would split vertices and renumber faces.
     options = {"process": False, "validate": False, "skip_materials": True, "fix_texture": False}
     scene = trimesh.load_scene(str(path), **options)
     parts = [_placed_part(scene, node) for node in scene.graph.nodes_geometry]
     return _join([part for part in parts if part is not None])
-
-
-def _check_stl_size(path: Path) -> None:
-    """A binary STL of the wrong size would be taken for text, and fail with words about its encoding."""
-    with path.open("rb") as file:
-        header = file.read(84)
-    if len(header) < 84 or header.lstrip().startswith(b"solid"):
-        return
-    count, size = int.from_bytes(header[80:], "little"), path.stat().st_size
-    if size != 84 + 50 * count:
-        raise ValueError(
-            f"{count} triangles are announced, which take {84 + 50 * count} bytes, but it has {size}"
-        )
 
 
 def _placed_part(scene: Any, node: str) -> Arrays | None:
@@ -162,30 +189,11 @@ def _placed_part(scene: Any, node: str) -> Arrays | None:
     if not hasattr(geometry, "faces"):
         return None
     vertices, faces = np.asarray(geometry.vertices), np.asarray(geometry.faces)
-    polygons = _ply_polygons(geometry.metadata.get("_ply_raw"))
-    if polygons is not None:
-        faces = triangulate_fans(*polygons)
     if not np.array_equal(transform, np.eye(4)):
         vertices = vertices @ transform[:3, :3].T + transform[:3, 3]
     if np.linalg.det(transform[:3, :3]) < 0.0:
         faces = faces[:, [0, 2, 1]]  # a mirror turns the winding round
     return vertices, faces
-
-
-def _ply_polygons(raw: Any) -> Arrays | None:
-    """The (corners, counts) of a PLY's polygons, which trimesh would sort by corner count."""
-    if not raw or "face" not in raw or "data" not in raw["face"]:
-        return None
-    data = raw["face"]["data"]
-    names = data.keys() if isinstance(data, dict) else (data.dtype.names or ())
-    name = next((known for known in ("vertex_indices", "vertex_index") if known in names), None)
-    if name is None:
-        return None
-    lists = data[name] if isinstance(data, dict) else data[name]["f1"]
-    if lists.dtype != object and lists.ndim == 2 and lists.shape[1] == 3:
-        return None
-    counts = np.array([len(corners) for corners in lists], dtype=np.int64)
-    return np.concatenate(list(lists)).astype(np.int64), counts
 
 
 def _join(parts: list[Arrays]) -> Arrays:

@@ -6,9 +6,13 @@ i of the file is face i of the mesh. So these two are read here, and need no pac
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
+Row = tuple[int, list[str]]  # the number of a line, from 1, and its words
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 
@@ -26,47 +30,112 @@ def triangulate_fans(corners: NDArray[np.int64], counts: NDArray[np.int64]) -> N
 
 
 def read_obj(text: str) -> Arrays:
-    """Vertices (V, 3) and triangles (F, 3) of a Wavefront OBJ; materials, normals, textures are skipped."""
+    """Vertices (V, 3) and triangles (F, 3) of a Wavefront OBJ; materials, normals, textures are skipped.
+
+    Raises ValueError with the number of the line for one that cannot be understood.
+    """
     vertices: list[list[float]] = []
     corners: list[int] = []
     counts: list[int] = []
-    for line in text.replace("\\\n", " ").splitlines():
-        if line.startswith(("v ", "v\t")):
-            vertices.append([float(word) for word in line.split()[1:4]])
-        elif line.startswith(("f ", "f\t")):
-            words = line.split("#", 1)[0].split()[1:]
-            corners.extend(_obj_index(word, len(vertices)) for word in words)
-            counts.append(len(words))
+    for number, words in _rows(_joined_lines(text)):
+        if words[0] == "v":
+            vertices.append(_point(words[1:], number))
+        elif words[0] == "f":
+            corners.extend(_obj_index(word, len(vertices), number) for word in words[1:])
+            counts.append(len(words) - 1)
     return _arrays(vertices, corners, counts)
 
 
-def _obj_index(word: str, vertices_so_far: int) -> int:
+def _joined_lines(text: str) -> Iterator[tuple[int, str]]:
+    """Numbered lines, those that end in a backslash joined with the next."""
+    begun = ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.endswith("\\"):
+            begun += line[:-1] + " "
+            continue
+        yield number, begun + line
+        begun = ""
+    if begun:
+        yield number, begun
+
+
+def _obj_index(word: str, vertices_so_far: int, number: int) -> int:
     """OBJ counts from 1, or backwards from the last vertex with -1."""
-    index = int(word.split("/", 1)[0])
+    index = _whole_number(word.split("/", 1)[0], number)
     if index == 0:
-        raise ValueError("a face names vertex 0, but OBJ counts from 1")
+        raise ValueError(f"line {number}: a face names vertex 0, but OBJ counts from 1")
     return index - 1 if index > 0 else index + vertices_so_far
 
 
 def read_off(text: str) -> Arrays:
-    """Vertices (V, 3) and triangles (F, 3) of an Object File Format text; colours and normals are skipped."""
-    stripped = (line.split("#", 1)[0].split() for line in text.splitlines())
-    rows = [words for words in stripped if words]
-    if not rows or not rows[0][0].endswith("OFF"):
-        raise ValueError("its first word is not OFF")
-    rows[0] = rows[0][1:]  # the counts may follow in the same line
-    if not rows[0]:
-        rows.pop(0)
-    vertex_count, face_count = (int(word) for word in rows[0][:2]) if rows else (0, 0)
-    rows = rows[1:]
+    """Vertices (V, 3) and triangles (F, 3) of an Object File Format text; colours and normals are skipped.
+
+    Raises ValueError for points of other than three dimensions, and with the number of the line for one
+    that cannot be understood.
+    """
+    rows = list(_rows(enumerate(text.splitlines(), start=1)))
+    _check_off_kind(rows[0][1] if rows else [])
+    number, words = rows.pop(0)
+    if len(words) > 1:
+        rows.insert(0, (number, words[1:]))  # the counts may follow in the same line
+    vertex_count, face_count = _off_counts(*rows.pop(0)) if rows else (0, 0)
     if len(rows) < vertex_count + face_count:
         raise ValueError(
             f"{vertex_count} vertices and {face_count} faces are announced, but only {len(rows)} lines follow"
         )
-    vertices = [[float(word) for word in row[:3]] for row in rows[:vertex_count]]
-    polygons = [row[1 : 1 + int(row[0])] for row in rows[vertex_count : vertex_count + face_count]]
-    corners = [int(word) for polygon in polygons for word in polygon]
+    vertices = [_point(words, number) for number, words in rows[:vertex_count]]
+    polygons = [_off_face(*row) for row in rows[vertex_count : vertex_count + face_count]]
+    corners = [corner for polygon in polygons for corner in polygon]
     return _arrays(vertices, corners, [len(polygon) for polygon in polygons])
+
+
+def _check_off_kind(words: list[str]) -> None:
+    """ST, C and N announce what follows the coordinates; 4 and n points of other dimensions."""
+    kind = re.fullmatch(r"(?:ST)?C?N?(4?n?)OFF", words[0]) if words else None
+    if kind is None:
+        raise ValueError("its first word is not OFF")
+    if kind[1]:
+        raise ValueError(f"it is of kind {words[0]}, but only points of three dimensions can be read")
+    if words[1:2] == ["BINARY"]:
+        raise ValueError("it is a binary OFF, but only the text format can be read")
+
+
+def _off_counts(number: int, words: list[str]) -> tuple[int, int]:
+    counts = [_whole_number(word, number) for word in words[:2]]
+    if len(counts) < 2 or min(counts) < 0:
+        raise ValueError(f"line {number}: the numbers of vertices and faces must stand here")
+    return counts[0], counts[1]
+
+
+def _off_face(number: int, words: list[str]) -> list[int]:
+    count = _whole_number(words[0], number)
+    if not 0 <= count < len(words):
+        raise ValueError(f"line {number}: a face of {count} corners names {len(words) - 1} vertices")
+    return [_whole_number(word, number) for word in words[1 : 1 + count]]
+
+
+def _rows(lines: Iterator[tuple[int, str]] | enumerate[str]) -> Iterator[Row]:
+    """The words of each line that has any, comments left out."""
+    for number, line in lines:
+        words = line.split("#", 1)[0].split()
+        if words:
+            yield number, words
+
+
+def _point(words: list[str], number: int) -> list[float]:
+    if len(words) < 3:
+        raise ValueError(f"line {number}: a vertex has {len(words)} coordinates, but needs 3")
+    try:
+        return [float(word) for word in words[:3]]
+    except ValueError:
+        raise ValueError(f"line {number}: {' '.join(words[:3])!r} are not three numbers") from None
+
+
+def _whole_number(word: str, number: int) -> int:
+    try:
+        return int(word)
+    except ValueError:
+        raise ValueError(f"line {number}: {word!r} is not a whole number") from None
 
 
 def _arrays(vertices: list[list[float]], corners: list[int], counts: list[int]) -> Arrays:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Vector = tuple[float, float, float]
 
+_LARGEST = float(np.finfo(np.float32).max)
 _SAMPLE_FACES = 400_000  # enough for percentiles to three digits; keeps 50M triangles under a second
 _OCCLUDERS = 1024
 _TARGETS = 48
@@ -22,8 +23,9 @@ class View:
     """A pinhole camera.
 
     `eye` and `look_at` are points and `up` a direction, in the units of the mesh; `fov_degrees` is the
-    vertical field of view. Raises ValueError where no picture could be taken: a value that is not finite, an
-    eye at the point it looks at, an up along the line of sight, a field of view outside (0, 180).
+    vertical field of view. Raises ValueError where no picture could be taken: a value that is not finite or
+    out of float32 range, an eye at the point it looks at, an up along the line of sight, a field of view
+    outside (0, 180).
     """
 
     eye: Vector
@@ -35,6 +37,9 @@ class View:
     def __post_init__(self) -> None:
         for field in ("eye", "look_at", "up"):
             object.__setattr__(self, field, _vector(field, getattr(self, field)))
+        for field in ("eye", "look_at", "up"):  # rays are float32, and squares of these must not overflow
+            if max(map(abs, getattr(self, field))) > _LARGEST:
+                raise ValueError(f"{field} {getattr(self, field)} is out of float32 range")
         object.__setattr__(self, "fov_degrees", float(self.fov_degrees))
         if not 0.0 < self.fov_degrees < 180.0:
             raise ValueError(f"fov_degrees must be between 0 and 180, not {self.fov_degrees:g}")
@@ -93,7 +98,9 @@ def _vector(field: str, value: ArrayLike) -> Vector:
 def _sample_triangles(vertices: NDArray, faces: NDArray) -> NDArray[np.float64]:
     """Every n-th triangle as (N, 3 corners, 3), the finite ones only."""
     stride = max(1, math.ceil(len(faces) / _SAMPLE_FACES))
-    triangles = vertices[faces[::stride]].astype(np.float64).reshape(-1, 3, 3)
+    with np.errstate(over="ignore"):  # rounded as in the tree, which leaves out what becomes infinite
+        rounded = vertices[faces[::stride]].astype(np.float32)
+    triangles = rounded.astype(np.float64).reshape(-1, 3, 3)
     return triangles[np.isfinite(triangles).all(axis=(1, 2))]
 
 
@@ -151,9 +158,8 @@ def _framed(
     slope = 0.92 * math.tan(math.radians(fov_degrees) / 2.0)  # leaves a margin of eight percent
     distance = float((np.maximum(np.abs(across) / aspect, np.abs(above)) / slope + nearness).max()) or 1.0
     centre = middle @ frame
-    return View(
-        _vector("eye", centre + distance * back), _vector("look_at", centre), _AXES[axis], fov_degrees, name
-    )
+    eye = np.clip(centre + distance * back, -_LARGEST, _LARGEST)  # or no room is left to step back
+    return View(_vector("eye", eye), _vector("look_at", centre), _AXES[axis], fov_degrees, name)
 
 
 class _Visibility:

@@ -11,6 +11,7 @@ import pytest
 pytest.importorskip("rich")
 pytest.importorskip("typer")
 
+from command_line import plain_terminal, run_cli
 from typer.testing import CliRunner
 
 import treelet
@@ -26,24 +27,7 @@ COMMANDS = ["demo", "build", "info", "validate", "render", "bench", "list"]
 SMALL = ["--triangles", "1000"]
 
 
-@pytest.fixture(autouse=True)
-def _plain_terminal(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "160")
-    monkeypatch.setenv("NO_COLOR", "1")
-    monkeypatch.setenv("TERM", "dumb")
-    monkeypatch.delenv("TREELET_SCENES", raising=False)
-    monkeypatch.delenv("FORCE_COLOR", raising=False)
-    threads = treelet.thread_count()
-    yield
-    treelet.set_thread_count(threads)
-
-
-def run_cli(*arguments: str, code: int = 0):
-    result = CliRunner().invoke(app, list(arguments), prog_name="treelet")
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == code, result.output
-    return result
+_plain_terminal = plain_terminal
 
 
 def help_words(text: str) -> str:

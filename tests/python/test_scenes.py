@@ -208,6 +208,42 @@ def test_damaged_index_of_external_scenes(tmp_path, monkeypatch, content):
         scenes.external_names()
 
 
+@pytest.mark.parametrize(
+    ("index", "reason"),
+    [
+        ({"a": 3}, "scene 'a' must be an object with a file, not 3"),
+        ({"a": {"file": 3}}, "scene 'a' must have a text as its file, not 3"),
+        (
+            {"a": {"file": "kite.npz", "cameras": [7]}},
+            "scene 'a' must have a list of objects as its cameras, not [7]",
+        ),
+        ({"a": {"file": "kite.npz", "cameras": [{"eye": [0, 0, 1]}]}}, "scene 'a': camera 0 has no look_at"),
+        (
+            {"a": {"file": "kite.npz", "cameras": [{"eye": [0, 1], "look_at": [0, 0, 0]}]}},
+            "scene 'a': camera 0: eye must be three finite numbers, not [0, 1]",
+        ),
+    ],
+)
+def test_index_of_external_scenes_names_the_bad_entry(folder, index, reason):
+    (folder / "scenes.json").write_text(json.dumps(index))
+    with pytest.raises(ValueError, match=f"^{re.escape(str(folder / 'scenes.json'))}: {re.escape(reason)}$"):
+        scenes.load("a")
+
+
+def test_embedded_scenes_and_files_come_before_the_folder(folder, monkeypatch):
+    (folder / "scenes.json").write_text(json.dumps({"sphere": {"file": "kite.npz"}}))
+    assert len(scenes.load("sphere", 1000).faces) > 1
+    monkeypatch.setenv("TREELET_SCENES", "/nonsense")
+    assert len(scenes.load("sphere", 1000).faces) > 1
+    assert scenes.load(folder / "kite.npz").name == "kite"
+
+
+def test_negative_seeds_are_refused_for_files_too(folder):
+    for name in ("sphere", str(folder / "kite.npz")):
+        with pytest.raises(ValueError, match=r"^seed must not be negative, but is -1$"):
+            scenes.load(name, seed=-1)
+
+
 @pytest.mark.usefixtures("no_folder")
 def test_load_takes_names_and_paths(tmp_path):
     assert isinstance(scenes.load("sphere", 2000), Mesh)

@@ -56,6 +56,8 @@ def test_view_keeps_plain_floats():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (((1e300, 5, 5), (1, 0, 0)), r"eye \(1e\+300, 5\.0, 5\.0\) is out of float32 range"),
+        (((0, 0, 0), (0, -1e39, 0)), r"look_at \(0\.0, -1e\+39, 0\.0\) is out of float32 range"),
         (((0, 0), (1, 0, 0)), r"eye must be three finite numbers, not \(0, 0\)"),
         (((0, 0, np.nan), (1, 0, 0)), r"eye must be three finite numbers, not \(0, 0, nan\)"),
         (((1, 0, 0), (1, 0, 0)), r"eye and look_at are the same point \(1.0, 0.0, 0.0\)"),

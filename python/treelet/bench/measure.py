@@ -10,6 +10,7 @@ from typing import Any
 import treelet
 from treelet.bench.records import Measurement
 from treelet.render.rays import Rays, ambient_occlusion_rays, diffuse_rays, primary_rays
+from treelet.scenes.catalog import check_seed
 
 Progress = Callable[[str], None]  # called with what is done next
 RAY_KINDS = ("primary", "diffuse", "ambient_occlusion")
@@ -37,6 +38,9 @@ class Plan:
     samples: int = 1  # diffuse rays a pixel
     seed: int = 0
     with_epo: bool = True  # a second or so for a million triangles, never timed
+
+    def __post_init__(self) -> None:
+        check_seed(self.seed)
 
     @property
     def steps(self) -> int:
@@ -70,6 +74,7 @@ def measure(mesh, view, plan: Plan, progress: Progress | None = None) -> Result:
     recipe.
     """
     report = progress or (lambda step: None)
+    mesh = mesh.rounded()  # once, so that no build is timed rounding
     subjects = [Subject(candidate) for candidate in plan.candidates]
     _time_builds(subjects, mesh, plan, report)
     ray_sets = make_ray_sets(subjects[0].bvh, mesh, view, plan)

@@ -73,7 +73,7 @@ def _candidates(recipes: list[str] | None) -> tuple:
 def _all_scenes() -> list[str]:
     from treelet import scenes
 
-    return [*scenes.names(), *scenes.external_names()]
+    return list(dict.fromkeys([*scenes.names(), *scenes.external_names()]))
 
 
 def _loaded(names: list[str], triangles: int | None, seed: int):

@@ -89,8 +89,8 @@ def _figures(row: dict[str, Any]) -> tuple[list[float], list[str]]:
     return values, texts
 
 
-def _marked(text: str, is_best: bool) -> str:
-    return f"[bold green]{text}[/bold green]" if is_best else text
+def _marked(text: str, is_best: bool) -> str | tuple[str, str]:
+    return (text, "bold green") if is_best else text
 
 
 def _verdict(rows: Sequence[dict[str, Any]]) -> str:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import typer
+
+from treelet.cli import INTERRUPTED
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
@@ -29,12 +33,16 @@ def show_tracebacks(wanted: bool) -> None:
 
 
 def reported(command: Callable[..., None]) -> Callable[..., None]:
-    """Wrap a command so that expected errors end it with a message and exit code 2."""
+    """Wrap a command so that expected errors and Ctrl-C end it with a line, and warnings are a line each."""
 
     @functools.wraps(command)
     def wrapper(*arguments, **options) -> None:
         try:
-            command(*arguments, **options)
+            with _plain_warnings():
+                command(*arguments, **options)
+        except KeyboardInterrupt:
+            typer.echo("interrupted", err=True)
+            raise typer.Exit(INTERRUPTED) from None
         except _EXPECTED as error:
             if _tracebacks.wanted:
                 raise
@@ -42,6 +50,19 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
             raise typer.Exit(BAD_INPUT) from None
 
     return wrapper
+
+
+@contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Warnings for people: what is wrong, not which line of treelet noticed it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("default", UserWarning)
+        warnings.showwarning = _show_warning
+        yield
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    typer.echo(f"treelet: warning: {' '.join(str(message).split())}", err=True)
 
 
 def _paragraph(error: BaseException) -> str:

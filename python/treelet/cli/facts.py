@@ -39,8 +39,9 @@ class MeshFacts:
 
 
 def gather_facts(mesh: Any) -> MeshFacts:
-    """Look at every face and edge of `mesh` (vertices (V, 3), faces (F, 3))."""
-    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    """Look at every face and edge of `mesh` (vertices (V, 3), faces (F, 3)), rounded to float32."""
+    with np.errstate(over="ignore"):  # what becomes infinite is not finite for a tree either
+        vertices, faces = np.asarray(mesh.vertices, dtype=np.float32), np.asarray(mesh.faces)
     is_finite = np.isfinite(vertices).all(axis=1)
     low, high = _bounds(vertices[is_finite])
     welded, positions = weld(vertices)

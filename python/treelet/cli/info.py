@@ -70,7 +70,7 @@ def print_facts(facts: Any) -> None:
     print_table(facts.name, ["", ("", "right")], rows)
 
 
-def _flaw(number: int) -> str:
+def _flaw(number: int) -> str | tuple[str, str]:
     from treelet.cli.text import count
 
-    return f"[yellow]{count(number)}[/yellow]" if number else "0"
+    return (count(number), "yellow") if number else "0"

@@ -13,10 +13,13 @@ _MOST_PIXELS = 1 << 28
 
 
 def load_subject(mesh: str, triangles: int | None = None, seed: int = 0) -> Any:
-    """The scene or mesh file called `mesh`, as `treelet.mesh.Mesh`."""
+    """The scene or mesh file called `mesh`, as `treelet.mesh.Mesh` with float32 vertices.
+
+    All that a command says and draws is about the rounded mesh; it is warned of once, here.
+    """
     from treelet import scenes
 
-    return scenes.load(mesh, triangles=triangles, seed=seed)
+    return scenes.load(mesh, triangles=triangles, seed=seed).rounded()
 
 
 def use_threads(count: int) -> None:

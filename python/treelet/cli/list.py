@@ -55,7 +55,23 @@ def _scenes() -> list[dict[str, str]]:
     embedded = [
         {"name": name, "kind": "embedded", "summary": scenes.describe(name)} for name in scenes.names()
     ]
-    return embedded + [{"name": name, "kind": "external", "summary": ""} for name in scenes.external_names()]
+    return embedded + [{"name": name, "kind": "external", "summary": ""} for name in _external_names()]
+
+
+def _external_names() -> list[str]:
+    """The external scenes that can be named; a note tells of the others."""
+    from treelet import scenes
+    from treelet.cli.output import note
+
+    try:
+        names = scenes.external_names()
+    except ValueError as error:
+        note(f"treelet: no external scenes: {error}")
+        return []
+    for name in names:
+        if name in scenes.names():
+            note(f"treelet: external scene {name!r} cannot be reached: the embedded one of that name wins")
+    return [name for name in names if name not in scenes.names()]
 
 
 def _recipes() -> dict[str, Any]:

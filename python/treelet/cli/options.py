@@ -22,7 +22,9 @@ TrianglesOption = Annotated[
     int | None,
     typer.Option("--triangles", metavar="N", help="About this many triangles; for embedded scenes."),
 ]
-SeedOption = Annotated[int, typer.Option("--seed", metavar="N", help="Seed of scenes, rays and samples.")]
+SeedOption = Annotated[
+    int, typer.Option("--seed", metavar="N", min=0, help="Seed of scenes, rays and samples.")
+]
 ThreadsOption = Annotated[
     int, typer.Option("--threads", metavar="N", min=0, help="Threads, 0 for all cores.")
 ]

@@ -11,6 +11,7 @@ from typing import Any
 
 import typer
 
+Cell = str | tuple[str, str]  # plain, or with a rich style
 _WIDTH_OF_FILES = 120  # columns where stdout is no terminal
 
 
@@ -34,29 +35,34 @@ def note(text: str) -> None:
 
 
 def print_table(
-    title: str, columns: list[str | tuple[str, str]], rows: list[list[str]], caption: str = ""
+    title: str, columns: list[str | tuple[str, str]], rows: list[list[Cell]], caption: str = ""
 ) -> None:
-    """A table on stdout. A column is its heading or (heading, "right"); cells may hold rich markup."""
+    """A table on stdout. A column is its heading or (heading, "right").
+
+    Title, caption and cells are shown as they are, names with brackets too; a cell may be (text, style).
+    Figures keep to a line. The first column of a table without headings holds labels: there the values wrap.
+    """
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
     is_headed = any(column if isinstance(column, str) else column[0] for column in columns)
     table = Table(
-        title=title,
+        title=Text(title, "bold"),
         show_header=is_headed,
-        caption=caption or None,
+        caption=Text(caption, "dim") if caption else None,
         box=box.SIMPLE_HEAD,
         title_justify="left",
         caption_justify="left",
-        title_style="bold",
-        caption_style="dim",
         pad_edge=False,
     )
     for column in columns:
         heading, justify = (column, "left") if isinstance(column, str) else column
-        table.add_column(heading, justify=justify, no_wrap=justify == "right")
+        is_label = not is_headed and not table.columns
+        is_figure = is_headed and justify == "right"
+        table.add_column(heading, justify=justify, no_wrap=is_label or is_figure, overflow="fold")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(Text(*cell) if isinstance(cell, tuple) else Text(cell) for cell in row))
     console().print(table)
 
 

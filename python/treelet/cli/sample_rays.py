@@ -13,7 +13,7 @@ def sample_rays(mesh: Any, bounds: Array, count: int, seed: int) -> tuple[Array,
     """Half of the rays come from far outside, half from the surface; all go to a random point of the surface.
 
     Every fourth aims exactly at a vertex, where a tracer that is not watertight loses rays. Origins and
-    directions are (count, 3) float32, directions as long as the way to the point.
+    directions are (count, 3) float32, directions as long as the way to the point, where that fits.
     """
     generator = np.random.Generator(np.random.Philox(seed))
     targets, starts = (_surface_points(mesh, generator, count) for _ in range(2))
@@ -23,8 +23,12 @@ def sample_rays(mesh: Any, bounds: Array, count: int, seed: int) -> tuple[Array,
     center, radius = bounds.mean(axis=0), np.linalg.norm(bounds[1] - bounds[0])
     outward = generator.standard_normal((count, 3))
     outside = center + radius * outward / np.linalg.norm(outward, axis=1, keepdims=True)
-    origins = np.where((ray % 8 < 4)[:, None], outside, starts).astype(np.float32)
-    return origins, (targets - origins).astype(np.float32)
+    largest = float(np.finfo(np.float32).max)
+    origins = np.where((ray % 8 < 4)[:, None], outside, starts).clip(-largest, largest).astype(np.float32)
+    way = targets - origins.astype(np.float64)
+    # Across a mesh as large as float32 the way does not fit, so a quarter of it must do.
+    is_too_long = np.abs(way).max(axis=1, initial=0.0, keepdims=True) > largest
+    return origins, np.where(is_too_long, 0.25 * way, way).astype(np.float32)
 
 
 def _surface_points(mesh: Any, generator: np.random.Generator, count: int) -> Array:

@@ -47,7 +47,7 @@ def print_stages(mesh_name: str, bvh: Any) -> None:
         ]
         for stage in report.stages
     ]
-    rows.append(["[bold]all[/bold]", f"[bold]{milliseconds(report.build_seconds)}[/bold]", "", ""])
+    rows.append([("all", "bold"), (milliseconds(report.build_seconds), "bold"), "", ""])
     title = f"{mesh_name}: {count(report.faces)} triangles"
     print_table(title, ["stage", ("ms", "right"), ("share", "right"), ""], rows)
 

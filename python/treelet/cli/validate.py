@@ -17,6 +17,7 @@ from treelet.cli.options import (
 )
 
 _SHOWN_VIOLATIONS = 10
+_TESTS_AT_ONCE = 50_000_000  # rays by triangles, half a second or so: then Ctrl-C is heard
 
 
 def validate(
@@ -73,15 +74,16 @@ def _build_checked(subject: Any, recipe: str) -> tuple[Any, list[str]]:
         bvh, violations = treelet.build(subject.vertices, subject.faces, recipe=recipe, validate=True), []
     except RuntimeError as violation:
         bvh, violations = treelet.build(subject.vertices, subject.faces, recipe=recipe), [str(violation)]
-    return bvh, violations + list(bvh.validate(subject.vertices, subject.faces))
+    violations += bvh.validate(subject.vertices, subject.faces)
+    if bvh.report.references == 0 and bvh.report.faces > 0:
+        violations.append(f"nothing to trace: all {bvh.report.faces} faces were left out of the tree")
+    return bvh, violations
 
 
 def _wrong_rays(subject: Any, bvh: Any, count: int, seed: int) -> list[dict[str, Any]]:
     """Origin, direction and both answers of each ray for which tree and brute force differ in t or face."""
     import numpy as np
 
-    import treelet
-    from treelet.cli.output import progress_bar
     from treelet.cli.sample_rays import sample_rays
 
     bounds = np.asarray(bvh.bounds, dtype=np.float64)
@@ -89,19 +91,39 @@ def _wrong_rays(subject: Any, bvh: Any, count: int, seed: int) -> list[dict[str,
         return []
     origins, directions = sample_rays(subject, bounds, count, seed)
     hits = bvh.intersect(origins, directions)
-    with progress_bar("brute force"):
-        expected = treelet.intersect_brute_force(subject.vertices, subject.faces, origins, directions)
+    expected_t, expected_face = _brute_force(subject, origins, directions)
     return [
         {
             "origin": origins[row].tolist(),
             "direction": directions[row].tolist(),
             "face": int(hits.face[row]),
             "t": _finite_or_none(hits.t[row]),
-            "expected_face": int(expected.face[row]),
-            "expected_t": _finite_or_none(expected.t[row]),
+            "expected_face": int(expected_face[row]),
+            "expected_t": _finite_or_none(expected_t[row]),
         }
-        for row in np.flatnonzero((hits.face != expected.face) | (hits.t != expected.t))
+        for row in np.flatnonzero((hits.face != expected_face) | (hits.t != expected_t))
     ]
+
+
+def _brute_force(subject: Any, origins: Any, directions: Any) -> tuple[Any, Any]:
+    """t and face of each ray, found without the tree, so many rays at a time that Ctrl-C need not wait."""
+    import numpy as np
+
+    import treelet
+    from treelet.cli.output import progress_bar
+
+    step = max(1, _TESTS_AT_ONCE // max(1, len(subject.faces)))
+    found = []
+    with progress_bar("brute force", len(origins)) as bar:
+        for start in range(0, len(origins), step):
+            rays = slice(start, start + step)
+            found.append(
+                treelet.intersect_brute_force(
+                    subject.vertices, subject.faces, origins[rays], directions[rays]
+                )
+            )
+            bar.at(min(start + step, len(origins)), len(origins))
+    return np.concatenate([hits.t for hits in found]), np.concatenate([hits.face for hits in found])
 
 
 def _finite_or_none(value) -> float | None:

@@ -52,7 +52,8 @@ def _filter_level(
     for dy, dx in itertools.product(_KERNEL, _KERNEL):
         here, there = _overlap(dy * step, dx * step)
         exponent = np.abs(luminance[here] - luminance[there]) * per_noise[here]
-        exponent += np.abs(depth[here] - depth[there]) * per_depth[here]
+        with np.errstate(over="ignore"):  # background beside what is far away: a weight of zero
+            exponent += np.abs(depth[here] - depth[there]) * per_depth[here]
         weight = np.exp(-exponent) * np.float32(_KERNEL[dy] * _KERNEL[dx])
         if dy or dx:
             weight *= _alike(normals, here, there)

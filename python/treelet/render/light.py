@@ -58,13 +58,13 @@ class Albedo:
 
     def __init__(self, bounds: Array, up: Array) -> None:
         self._up = up
-        corners = np.stack(np.meshgrid(*np.asarray(bounds, dtype=np.float32).T), axis=-1).reshape(-1, 3) @ up
+        corners = np.stack(np.meshgrid(*np.asarray(bounds, dtype=np.float64).T), axis=-1).reshape(-1, 3) @ up
         self._low, span = corners.min(), np.ptp(corners)
-        self._inverse_span = np.float32(1.0 / span) if span > 0.0 else np.float32(0.0)
+        self._inverse_span = 1.0 / span if span > 0.0 else 0.0
 
     def __call__(self, points: Array, normals: Array) -> Array:
         """Reflectance (n, 3) in [0, 1]."""
-        height = np.clip((points.astype(np.float32) @ self._up - self._low) * self._inverse_span, 0.0, 1.0)
+        height = np.clip((points @ self._up - self._low) * self._inverse_span, 0.0, 1.0)
         level = np.abs(normals @ self._up)
         blend = (0.25 + 0.45 * height + 0.30 * level)[:, None].astype(np.float32)
         return _LOW_ALBEDO + (_HIGH_ALBEDO - _LOW_ALBEDO) * blend

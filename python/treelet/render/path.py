@@ -86,8 +86,9 @@ def _sunlight(studio: Studio, sampler, surface, where) -> Array:
 
 
 def _ambient(studio: Studio, t: Array) -> Array:
-    reach = np.float32(_AMBIENT_REACH * studio.diagonal)
-    return (t / (t + reach))[:, None] * _AMBIENT
+    far = t.astype(np.float64)  # in a huge scene the sum is beyond float32
+    share = far / (far + _AMBIENT_REACH * studio.diagonal)
+    return share.astype(np.float32)[:, None] * _AMBIENT
 
 
 def _measured_exposure(radiance: Array, covered: Array) -> float:

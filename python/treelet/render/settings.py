@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from treelet.scenes.catalog import check_seed
 
 
 @dataclass(frozen=True)
@@ -23,5 +26,8 @@ class RenderSettings:
         for name in ("width", "height", "samples", "bounces", "chunk"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} is {getattr(self, name)}, but it must be at least 1")
-        if self.reach <= 0.0:
-            raise ValueError(f"reach is {self.reach}, but it must be above 0")
+        if not 0.0 < self.reach < math.inf:
+            raise ValueError(f"reach is {self.reach}, but it must be finite and above 0")
+        if self.exposure is not None and not 0.0 < self.exposure < math.inf:
+            raise ValueError(f"exposure is {self.exposure}, but it must be finite and above 0")
+        check_seed(self.seed)

@@ -10,6 +10,7 @@ from treelet.render.directions import normalized
 
 Array = np.ndarray
 
+_LARGEST = float(np.finfo(np.float32).max)
 # 32 units in the last place of float32: several times what the error sources below can add up to.
 _OFFSET = 32.0 * float(np.finfo(np.float32).eps)
 
@@ -32,7 +33,8 @@ class Triangles:
     """Corners and face normals of a mesh, ready for looking up hits."""
 
     def __init__(self, vertices: Array, faces: Array) -> None:
-        self._vertices = np.asarray(vertices, dtype=np.float32)
+        with np.errstate(over="ignore"):  # what becomes infinite is not in the tree
+            self._vertices = np.asarray(vertices, dtype=np.float32)
         self._faces = np.asarray(faces)
 
     def surface(self, hits, directions: Array) -> Surface:
@@ -58,5 +60,6 @@ def offset_origins(points: Array, normals: Array, t: Array) -> Array:
     rounding of a distance of length t. An absolute epsilon would be too small at 1e7 and larger than the
     whole scene at 1e-7.
     """
-    distance = _OFFSET * (np.abs(points).max(axis=1, initial=0.0) + t)
-    return (points + distance[:, None] * normals).astype(np.float32)
+    distance = _OFFSET * (np.abs(points).max(axis=1, initial=0.0) + t.astype(np.float64))
+    moved = points + distance[:, None] * normals
+    return np.clip(moved, -_LARGEST, _LARGEST).astype(np.float32)

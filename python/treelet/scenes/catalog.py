@@ -42,11 +42,16 @@ def make(name: str, triangles: int = 100_000, seed: int = 0) -> Mesh:
     scene = _scene(name)
     if not FEWEST_TRIANGLES <= triangles <= MOST_TRIANGLES:
         raise ValueError(f"triangles must be from {FEWEST_TRIANGLES} to {MOST_TRIANGLES}, not {triangles}")
-    if seed < 0:
-        raise ValueError(f"seed must not be negative, but is {seed}")
+    check_seed(seed)
     vertices, faces = scene.build(int(triangles), int(seed))
     views = scene.VIEWS if hasattr(scene, "VIEWS") else scene.views(vertices)
     return Mesh(vertices, faces, name, views)
+
+
+def check_seed(seed: int) -> None:
+    """Raises ValueError for a seed that no generator takes."""
+    if seed < 0:
+        raise ValueError(f"seed must not be negative, but is {seed}")
 
 
 def suggestion(name: str, known: list[str]) -> str:

@@ -16,6 +16,7 @@ from ..view import View
 from .catalog import suggestion
 
 VARIABLE = "TREELET_SCENES"
+_INDEX = "scenes.json"
 
 
 def external_names() -> list[str]:
@@ -40,7 +41,9 @@ def load_external(name: str) -> Mesh:
     if name not in index:
         raise ValueError(f"unknown scene {name!r} in {folder}{suggestion(name, list(index))}")
     mesh = load_mesh(folder / index[name]["file"])
-    return with_views(mesh, tuple(_view(camera) for camera in index[name].get("cameras", [])), name)
+    place = f"{folder / _INDEX}: scene {name!r}: camera"
+    cameras = enumerate(index[name].get("cameras", []))
+    return with_views(mesh, tuple(_view(camera, f"{place} {number}") for number, camera in cameras), name)
 
 
 def _folder() -> Path | None:
@@ -49,21 +52,40 @@ def _folder() -> Path | None:
 
 
 def _read_index(folder: Path) -> dict[str, dict[str, Any]]:
-    path = folder / "scenes.json"
+    path = folder / _INDEX
     try:
         index = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise ValueError(f"{VARIABLE} is {str(folder)!r}, but {path} cannot be read: {error}") from error
     if not isinstance(index, dict):
         raise ValueError(f"{path} must hold an object with a name for each scene")
-    return {name: scene for name, scene in index.items() if not name.startswith("_") and "file" in scene}
+    scenes = {name: scene for name, scene in index.items() if not name.startswith("_")}
+    for name, scene in scenes.items():
+        _check_scene(scene, f"{path}: scene {name!r}")
+    return {name: scene for name, scene in scenes.items() if "file" in scene}
 
 
-def _view(camera: dict[str, Any]) -> View:
-    return View(
-        tuple(camera["eye"]),
-        tuple(camera["look_at"]),
-        tuple(camera.get("up", (0.0, 0.0, 1.0))),
-        camera.get("vfov_deg", 45.0),
-        camera.get("name", ""),
-    )
+def _check_scene(scene: Any, place: str) -> None:
+    """Raises ValueError, with the place, for an entry whose parts have the wrong types."""
+    if not isinstance(scene, dict):
+        raise ValueError(f"{place} must be an object with a file, not {scene!r}")
+    if not isinstance(scene.get("file", ""), str):
+        raise ValueError(f"{place} must have a text as its file, not {scene['file']!r}")
+    cameras = scene.get("cameras", [])
+    if not isinstance(cameras, list) or not all(isinstance(camera, dict) for camera in cameras):
+        raise ValueError(f"{place} must have a list of objects as its cameras, not {cameras!r}")
+
+
+def _view(camera: dict[str, Any], place: str) -> View:
+    try:
+        return View(
+            camera["eye"],
+            camera["look_at"],
+            camera.get("up", (0.0, 0.0, 1.0)),
+            camera.get("vfov_deg", 45.0),
+            str(camera.get("name", "")),
+        )
+    except KeyError as missing:
+        raise ValueError(f"{place} has no {missing.args[0]}") from None
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{place}: {error}") from error

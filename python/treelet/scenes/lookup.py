@@ -6,12 +6,12 @@ import os
 from pathlib import Path
 
 from ..mesh import Mesh, load_mesh
-from .catalog import make, names, suggestion
+from .catalog import check_seed, make, names, suggestion
 from .external import VARIABLE, external_names, load_external
 
 
 def load(name_or_path: str | os.PathLike[str], triangles: int | None = None, seed: int = 0) -> Mesh:
-    """The embedded scene of that name, else the external one, else the mesh file at that path.
+    """The embedded scene of that name, else the mesh file at that path, else the external scene.
 
     triangles and seed are for embedded scenes: 100 000 and 0 by default. Asking a file for a number of
     triangles is a ValueError, as is a name that is none of the three; a path that does not exist is a
@@ -20,7 +20,8 @@ def load(name_or_path: str | os.PathLike[str], triangles: int | None = None, see
     text = os.fspath(name_or_path)
     if text in names():
         return make(text, 100_000 if triangles is None else triangles, seed)
-    external = external_names()
+    check_seed(seed)
+    external = [] if _is_mesh_file(text) else external_names()
     if text not in external and not _looks_like_path(text):
         hint = "" if external else f" (the variable {VARIABLE} could name a folder with more)"
         raise ValueError(
@@ -29,6 +30,11 @@ def load(name_or_path: str | os.PathLike[str], triangles: int | None = None, see
     if triangles is not None:
         raise ValueError(f"{text!r} is a mesh file with its own triangles; only embedded scenes take a count")
     return load_external(text) if text in external else load_mesh(text)
+
+
+def _is_mesh_file(text: str) -> bool:
+    """Decides before the folder of scenes is looked at, which may be missing."""
+    return Path(text).suffix != "" and Path(text).exists()
 
 
 def _looks_like_path(text: str) -> bool:
