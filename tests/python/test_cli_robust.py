@@ -180,6 +180,7 @@ def test_interrupted_import_is_one_line(monkeypatch, capsys):
 def test_signal_ends_the_program(tmp_path):
     code = (
         "import os, signal, treelet.bvh, treelet\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # ignored below nohup
         "treelet.build = lambda *_, **__: os.kill(os.getpid(), signal.SIGINT)\n"
         "from treelet.cli import main\n"
         "main(['build', 'sphere', '--triangles', '1000'])\n"
