@@ -9,9 +9,9 @@
 
 // A visitor decides what a traversal looks for. Kernels of several instruction sets inline it.
 //
-//     TREELET_INLINE float t_limit()                   no hit beyond this t matters any more
+//     float t_limit()                   no hit beyond this t matters any more
 //     bool visit(face, triangle_hit)    takes a hit of the ray's line; true ends the traversal
-//     TREELET_INLINE void count_node(), count_triangles(n)
+//     void count_node(), count_triangles(n)
 
 namespace treelet {
 
