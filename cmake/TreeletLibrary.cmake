@@ -1,12 +1,17 @@
 # The library target `treelet`, known to consumers as treelet::treelet.
 
 include(TreeletCompileOptions)
+include(TreeletCuda)
 find_package(Threads REQUIRED)
 
 file(GLOB_RECURSE treelet_sources CONFIGURE_DEPENDS
   "${PROJECT_SOURCE_DIR}/src/treelet/*.cpp")
 file(GLOB_RECURSE treelet_headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}/src"
   "${PROJECT_SOURCE_DIR}/src/treelet/*.h")
+if(TREELET_HAS_CUDA)
+  # x_no_cuda.cpp takes the place of x.cu where there is no CUDA.
+  list(FILTER treelet_sources EXCLUDE REGEX "_no_cuda\\.cpp$")
+endif()
 
 add_library(treelet ${treelet_sources})
 add_library(treelet::treelet ALIAS treelet)
@@ -51,3 +56,6 @@ endif()
 treelet_exact_floats(treelet PUBLIC)
 treelet_sanitize(treelet PUBLIC)
 treelet_warnings(treelet)
+if(TREELET_HAS_CUDA)
+  treelet_add_kernels(treelet)
+endif()

@@ -5,15 +5,22 @@ find_package(Python 3.10 REQUIRED
 execute_process(
   COMMAND "${Python_EXECUTABLE}" -m nanobind --cmake_dir
   OUTPUT_VARIABLE nanobind_dir OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
-find_package(nanobind 3 CONFIG REQUIRED PATHS "${nanobind_dir}" NO_DEFAULT_PATH)
+find_package(nanobind CONFIG REQUIRED PATHS "${nanobind_dir}" NO_DEFAULT_PATH)
 
 file(GLOB binding_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/python/bindings/*.cpp")
 
 # nanobind's split mode: its compiled half comes from the package nanobind-backend at run time.
 # Only so does one wheel (stable ABI of Python 3.10) serve 3.10 and all later versions: linked in,
 # nanobind needs 3.12 for that, so 3.10 and 3.11 would want a wheel each and twice the build time.
+# Outside of a wheel it may be linked in: a machine that only tests need not have that package.
+execute_process(COMMAND "${Python_EXECUTABLE}" -c "import nanobind_backend"
+  OUTPUT_QUIET ERROR_QUIET RESULT_VARIABLE lacks_backend)
+set(nanobind_mode BACKEND_MODULE nanobind_backend)
+if(lacks_backend AND NOT DEFINED SKBUILD)
+  set(nanobind_mode NB_STATIC)
+endif()
 nanobind_add_module(_core
-  BACKEND_MODULE nanobind_backend
+  ${nanobind_mode}
   NOMINSIZE  # inlined parts of the library should be as fast here as in the library
   NB_SUPPRESS_WARNINGS
   ${binding_sources})
