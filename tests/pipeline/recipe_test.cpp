@@ -58,13 +58,14 @@ TEST(Recipe, ItsTextGivesItAgain) {
 TEST(Recipe, AcceptsBothEndsOfEachRange) {
   for (const RecipeWord& word : recipe_words()) {
     for (const WordParameter& parameter : word.parameters) {
-      const std::string before = word.kind == WordKind::builder ? "" : "lbvh > ";
+      const std::string before = word.kind <= WordKind::builder ? "" : "lbvh > ";
+      const std::string after = word.kind == WordKind::splitter ? ") > lbvh" : ")";
       const std::string name = std::string(word.name) + "(" + std::string(parameter.name);
       const auto minimum = static_cast<long long>(parameter.minimum);
       const auto maximum = static_cast<long long>(parameter.maximum);
       const std::string range = std::to_string(minimum) + " to " + std::to_string(maximum);
       const auto written = [&](long long value) {
-        return before + name + "=" + std::to_string(value) + ")";
+        return before + name + "=" + std::to_string(value) + after;
       };
       EXPECT_NO_THROW(parse_recipe(written(minimum)));
       EXPECT_NO_THROW(parse_recipe(written(maximum)));
@@ -104,6 +105,31 @@ TEST(Recipe, NamesTheArgumentThatIsUnknown) {
             "did you mean 'size'? There are: size, rounds, gamma");
   EXPECT_EQ(error_of("sweep(size=7)"),
             "recipe \"sweep(size=7)\": unknown argument sweep(size); there are none");
+}
+
+TEST(Recipe, MayBeginWithASplitter) {
+  const Recipe recipe = parse_recipe("presplit(budget=10) > sweep > treelet > bvh2");
+  ASSERT_TRUE(recipe.splitter.has_value());
+  EXPECT_EQ(recipe.splitter->word->name, "presplit");
+  EXPECT_EQ(recipe.splitter->value("budget"), 10.0);
+  EXPECT_EQ(recipe.builder.word->name, "sweep");
+  ASSERT_EQ(recipe.optimizers.size(), 1u);
+  EXPECT_EQ(recipe.text(),
+            "presplit(budget=10) > sweep > treelet(size=7, rounds=3, gamma=0) > bvh2(leaf=8)");
+  EXPECT_EQ(parse_recipe("presplit > lbvh").text(), "presplit(budget=30) > lbvh > bvh8(leaf=8)");
+  EXPECT_FALSE(parse_recipe("lbvh").splitter.has_value());
+}
+
+TEST(Recipe, WantsTheSplitterFirstAndABuilderBehindIt) {
+  EXPECT_EQ(error_of("presplit"), "recipe \"presplit\": needs a builder after 'presplit'");
+  EXPECT_EQ(error_of("presplit > treelet"),
+            "recipe \"presplit > treelet\": must begin with a builder, not with the optimizer "
+            "'treelet'");
+  EXPECT_EQ(error_of("presplit > presplit > lbvh"),
+            "recipe \"presplit > presplit > lbvh\": must begin with a builder, not with the "
+            "splitter 'presplit'");
+  EXPECT_EQ(error_of("lbvh > presplit > bvh2"),
+            "recipe \"lbvh > presplit > bvh2\": the splitter 'presplit' must come first");
 }
 
 TEST(Recipe, WantsBuilderOptimizersLayout) {

@@ -24,7 +24,7 @@ TEST(RecipeWords, HaveNamesOfTheirOwn) {
 TEST(RecipeWords, ThereIsOneOfEachKind) {
   std::set<WordKind> kinds;
   for (const RecipeWord& word : recipe_words()) kinds.insert(word.kind);
-  EXPECT_EQ(kinds.size(), 3u);
+  EXPECT_EQ(kinds.size(), 4u);
 }
 
 TEST(RecipeWords, EverythingSaysWhatItIs) {
@@ -49,6 +49,7 @@ TEST(RecipeWords, DefaultsAreWholeNumbersInRange) {
 }
 
 TEST(RecipeWords, KindsHaveNames) {
+  EXPECT_EQ(kind_name(WordKind::splitter), "splitter");
   EXPECT_EQ(kind_name(WordKind::builder), "builder");
   EXPECT_EQ(kind_name(WordKind::optimizer), "optimizer");
   EXPECT_EQ(kind_name(WordKind::layout), "layout");

@@ -28,6 +28,7 @@ TREELET = "treelet(size=7, rounds=3, gamma=0)"
             f"sweep > {TREELET} > treelet(size=8, rounds=3, gamma=0) > bvh8(leaf=8)",
         ),
         ("lbvh > bvh2(leaf=64)", "lbvh > bvh2(leaf=64)"),
+        ("presplit > lbvh", "presplit(budget=30) > lbvh > bvh8(leaf=8)"),
     ],
 )
 def test_meaning(text, meaning):
@@ -61,6 +62,9 @@ ALL_NAMES = ", ".join([STAGES, *treelet.presets()])
         ("lbvh > bvh8(leaf=17)", "bvh8(leaf) must be a whole number from 1 to 16"),
         ("lbvh > treelet(size=7, size=8)", "gives treelet(size) twice"),
         ("bvh2", "must begin with a builder, not with the layout 'bvh2'"),
+        ("presplit", "needs a builder after 'presplit'"),
+        ("presplit > treelet", "must begin with a builder, not with the optimizer 'treelet'"),
+        ("lbvh > presplit", "the splitter 'presplit' must come first"),
         ("treelet > bvh2", "must begin with a builder, not with the optimizer 'treelet'"),
         ("lbvh > sweep", "has a second builder, 'sweep'"),
         ("lbvh > bvh2 > treelet", "the layout 'bvh2' must come last"),
@@ -104,9 +108,12 @@ def test_presets_are_recipes():
 
 def test_words_describe_themselves():
     words = {word.name: word for word in treelet.recipe_words()}
-    kinds = {"lbvh": "builder", "sweep": "builder", "treelet": "optimizer"} | dict.fromkeys(
-        ["bvh2", "bvh8"], "layout"
-    )
+    kinds = {
+        "presplit": "splitter",
+        "lbvh": "builder",
+        "sweep": "builder",
+        "treelet": "optimizer",
+    } | dict.fromkeys(["bvh2", "bvh8"], "layout")
     assert kinds.items() <= {name: word.kind for name, word in words.items()}.items()
     assert all(len(word.summary) > 20 for word in words.values())
     size = words["treelet"].parameters[0]
@@ -116,9 +123,9 @@ def test_words_describe_themselves():
 
 def recipe_with(word, parameter, value):
     """A whole recipe in which one argument is given."""
-    stages = {"builder": "", "optimizer": "", "layout": ""}
+    stages = {"splitter": "", "builder": "lbvh", "optimizer": "", "layout": ""}
     stages[word.kind] = f"{word.name}({parameter.name}={value})"
-    return " > ".join(filter(None, [stages["builder"] or "lbvh", stages["optimizer"], stages["layout"]]))
+    return " > ".join(filter(None, stages.values()))
 
 
 @pytest.mark.parametrize("word", treelet.recipe_words(), ids=lambda word: word.name)

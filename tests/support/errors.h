@@ -7,12 +7,12 @@
 
 namespace treelet::test {
 
-/// The message of the std::invalid_argument that `run` throws.
-template <class Run>
+/// The message of the Error that `run` throws.
+template <class Error = std::invalid_argument, class Run>
 std::string error_of(Run&& run) {
   try {
     run();
-  } catch (const std::invalid_argument& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   ADD_FAILURE() << "nothing was thrown";

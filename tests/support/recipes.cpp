@@ -38,7 +38,11 @@ std::vector<std::string> every_recipe() {
     for (const std::string& layout : layouts()) {
       recipes.push_back(builder + " > " + layout);
       for (const std::string& optimizer : words_of(WordKind::optimizer)) {
-        recipes.push_back(builder + " > " + optimizer + " > " + layout);
+        const std::string optimized = builder + " > " + optimizer + " > " + layout;
+        recipes.push_back(optimized);
+        for (const std::string& splitter : words_of(WordKind::splitter)) {
+          recipes.push_back(splitter + " > " + optimized);
+        }
       }
     }
   }

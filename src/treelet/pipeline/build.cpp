@@ -4,19 +4,33 @@
 #include <chrono>
 #include <stdexcept>
 
+#include <treelet/build/hploc.h>
 #include <treelet/build/lbvh.h>
 #include <treelet/build/sweep.h>
+#include <treelet/layout/leaf_collapse.h>
 #include <treelet/layout/pack_bvh2.h>
 #include <treelet/layout/pack_bvh8.h>
 #include <treelet/optimize/treelet.h>
-#include <treelet/tree/refit.h>
+#include <treelet/primitive/split.h>
 #include <treelet/tree/validate.h>
 
 namespace treelet {
 namespace {
 
-using Builder = BinaryTree (*)(const References&);
+using Builder = BinaryTree (*)(const References&, const RecipeStage&);
 using Optimizer = void (*)(BinaryTree&, const SahModel&, const RecipeStage&);
+
+BinaryTree run_lbvh(const References& references, const RecipeStage&) {
+  return build_lbvh(references);
+}
+
+BinaryTree run_hploc(const References& references, const RecipeStage& stage) {
+  return build_hploc(references, {.radius = int(stage.value("radius"))});
+}
+
+BinaryTree run_sweep(const References& references, const RecipeStage&) {
+  return build_sweep(references);
+}
 
 void run_treelet(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
   const TreeletConfig config{.size = int(stage.value("size")),
@@ -49,7 +63,8 @@ struct Entry {
   Function run;
 };
 
-constexpr std::array<Entry<Builder>, 2> kBuilders{{{"lbvh", build_lbvh}, {"sweep", build_sweep}}};
+constexpr std::array<Entry<Builder>, 3> kBuilders{
+    {{"lbvh", run_lbvh}, {"hploc", run_hploc}, {"sweep", run_sweep}}};
 constexpr std::array<Entry<Optimizer>, 1> kOptimizers{{{"treelet", run_treelet}}};
 constexpr std::array<Entry<Packer>, 2> kPackers{{{"bvh2", run_bvh2}, {"bvh8", run_bvh8}}};
 
@@ -80,7 +95,7 @@ class Pipeline {
     Bvh bvh;
     bvh.sah.leaf_limit = std::uint32_t(recipe_.layout.value("leaf"));
     check_indices(mesh_);
-    const References references = create_references(mesh_);
+    const References references = make_references();
     const BinaryTree tree = build_tree(references, bvh.sah);
     const std::string_view layout = recipe_.layout.word->name;
     bvh.layout =
@@ -95,16 +110,25 @@ class Pipeline {
         .references = references.size(),
         .left_out_non_finite = references.left_out_non_finite,
         .left_out_degenerate = references.left_out_degenerate,
-        .sah = sah_cost(tree, bvh.sah),
+        .sah = collapsed_sah_cost(tree, references, bvh.sah),
         .tree = std::visit([&](const auto& packed) { return compute_statistics(packed, bvh.sah); },
                            bvh.layout)};
     return bvh;
   }
 
  private:
+  References make_references() const {
+    References references = create_references(mesh_);
+    if (recipe_.splitter) {
+      const auto percent = std::size_t(recipe_.splitter->value("budget"));
+      split_references(references, mesh_, references.size() * percent / 100);
+    }
+    return references;
+  }
+
   BinaryTree build_tree(const References& references, const SahModel& sah) const {
     const std::string_view builder = recipe_.builder.word->name;
-    BinaryTree tree = find_function(kBuilders, builder)(references);
+    BinaryTree tree = find_function(kBuilders, builder)(references, recipe_.builder);
     check(builder, tree, references);
     for (const RecipeStage& stage : recipe_.optimizers) {
       find_function(kOptimizers, stage.word->name)(tree, sah, stage);

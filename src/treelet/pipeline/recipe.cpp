@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <treelet/pipeline/recipe_text.h>
 #include <treelet/pipeline/suggest.h>
@@ -75,14 +76,21 @@ RecipeStage resolve(std::string_view recipe, const WrittenStage& written) {
 }
 
 void check_order(std::string_view recipe, const std::vector<RecipeStage>& stages) {
-  if (stages.front().word->kind != WordKind::builder) {
-    fail(recipe, "must begin with a builder, not with the " +
-                     std::string(kind_name(stages.front().word->kind)) + " '" +
-                     std::string(stages.front().word->name) + "'");
+  const std::size_t first = stages.front().word->kind == WordKind::splitter;
+  if (first == stages.size()) {
+    fail(recipe, "needs a builder after '" + std::string(stages.front().word->name) + "'");
   }
-  for (std::size_t i = 1; i < stages.size(); ++i) {
+  if (stages[first].word->kind != WordKind::builder) {
+    fail(recipe, "must begin with a builder, not with the " +
+                     std::string(kind_name(stages[first].word->kind)) + " '" +
+                     std::string(stages[first].word->name) + "'");
+  }
+  for (std::size_t i = first + 1; i < stages.size(); ++i) {
     const RecipeWord& word = *stages[i].word;
     const bool is_last = i + 1 == stages.size();
+    if (word.kind == WordKind::splitter) {
+      fail(recipe, "the splitter '" + std::string(word.name) + "' must come first");
+    }
     if (word.kind == WordKind::builder) {
       fail(recipe, "has a second builder, '" + std::string(word.name) + "'");
     }
@@ -120,7 +128,8 @@ double RecipeStage::value(std::string_view parameter) const {
 }
 
 std::string Recipe::text() const {
-  std::string text = stage_text(builder);
+  std::string text = splitter ? stage_text(*splitter) + " > " : "";
+  text += stage_text(builder);
   for (const RecipeStage& optimizer : optimizers) text += " > " + stage_text(optimizer);
   return text + " > " + stage_text(layout);
 }
@@ -132,7 +141,12 @@ Recipe parse_recipe(std::string_view text) {
   }
   check_order(text, stages);
   if (stages.back().word->kind != WordKind::layout) stages.push_back(resolve(text, {"bvh8", {}}));
-  return {stages.front(), {stages.begin() + 1, stages.end() - 1}, stages.back()};
+  Recipe recipe{{}, stages.front(), {stages.begin() + 1, stages.end() - 1}, stages.back()};
+  if (recipe.builder.word->kind == WordKind::splitter) {
+    recipe.splitter = std::exchange(recipe.builder, recipe.optimizers.front());
+    recipe.optimizers.erase(recipe.optimizers.begin());
+  }
+  return recipe;
 }
 
 }  // namespace treelet

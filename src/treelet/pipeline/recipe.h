@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,8 +18,9 @@ struct RecipeStage {
   double value(std::string_view parameter) const;
 };
 
-/// One path through the library: a builder, any number of optimizers, a layout.
+/// One path through the library: a splitter or none, a builder, any number of optimizers, a layout.
 struct Recipe {
+  std::optional<RecipeStage> splitter;
   RecipeStage builder;
   std::vector<RecipeStage> optimizers;
   RecipeStage layout;

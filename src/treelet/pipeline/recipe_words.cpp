@@ -2,11 +2,21 @@
 
 #include <array>
 
+#include <treelet/build/hploc.h>
 #include <treelet/layout/bvh8.h>
 #include <treelet/optimize/subset_tables.h>
 
 namespace treelet {
 namespace {
+
+constexpr std::array<WordParameter, 1> kPresplitParameters{{
+    {"budget", 30, 0, 300, "references added at most, in percent of the triangles"},
+}};
+
+constexpr std::array<WordParameter, 1> kHplocParameters{{
+    {"radius", HplocConfig{}.radius, kMinHplocRadius, kMaxHplocRadius,
+     "clusters on either side among which the nearest is looked for"},
+}};
 
 constexpr std::array<WordParameter, 3> kTreeletParameters{{
     {"size", 7, kMinTreeletSize, kMaxTreeletSize, "leaves of a treelet"},
@@ -24,8 +34,13 @@ constexpr std::array<WordParameter, 1> kBvh8Parameters{{
      "triangles in a leaf at most"},
 }};
 
-constexpr std::array<RecipeWord, 5> kWords{{
+constexpr std::array<RecipeWord, 7> kWords{{
+    {"presplit", WordKind::splitter,
+     "splits triangles that fill little of their boxes (Karras and Aila 2013)",
+     kPresplitParameters},
     {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
+    {"hploc", WordKind::builder, "clustering of neighbours in Morton order (Benthin et al. 2024)",
+     kHplocParameters},
     {"sweep", WordKind::builder, "top-down full-sweep SAH: slow, the quality reference", {}},
     {"treelet", WordKind::optimizer, "optimal restructuring of treelets (Karras and Aila 2013)",
      kTreeletParameters},
@@ -46,7 +61,7 @@ std::span<const RecipeWord> recipe_words() { return kWords; }
 std::span<const Preset> presets() { return kPresets; }
 
 std::string_view kind_name(WordKind kind) {
-  constexpr std::array<std::string_view, 3> names{"builder", "optimizer", "layout"};
+  constexpr std::array<std::string_view, 4> names{"splitter", "builder", "optimizer", "layout"};
   return names[std::size_t(kind)];
 }
 

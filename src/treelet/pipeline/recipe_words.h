@@ -6,7 +6,7 @@
 namespace treelet {
 
 /// What a word of a recipe does, in the order in which the kinds may follow each other.
-enum class WordKind { builder, optimizer, layout };
+enum class WordKind { splitter, builder, optimizer, layout };
 
 /// An argument of a recipe word.
 struct WordParameter {
