@@ -1,3 +1,4 @@
+#include <span>
 #include <string>
 #include <vector>
 
@@ -5,9 +6,11 @@
 #include <nanobind/stl/vector.h>
 
 #include <treelet/pipeline/build.h>
+#include <treelet/pipeline/update.h>
 
 #include "arrays.h"
 #include "bindings.h"
+#include "report.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -16,42 +19,43 @@ namespace {
 
 nb::str text(std::string_view view) { return nb::str(view.data(), view.size()); }
 
+treelet::BuildOptions options(bool validate) {
+  treelet::BuildOptions options;
+  options.validate |= validate;
+  return options;
+}
+
+std::span<const treelet::Vec3> as_vertices(const Vec3Array& vertices) {
+  return {reinterpret_cast<const treelet::Vec3*>(vertices.data()), vertices.shape(0)};
+}
+
 treelet::Bvh build(const Vec3Array& vertices, const FaceArray& faces, const std::string& recipe,
                    bool validate) {
   const treelet::Mesh mesh = as_mesh(vertices, faces);
   const nb::gil_scoped_release release;
-  treelet::BuildOptions options;
-  options.validate |= validate;
-  return treelet::build(mesh, recipe, options);
+  return treelet::build(mesh, recipe, options(validate));
 }
 
-nb::dict report(const treelet::Bvh& bvh) {
-  const treelet::BuildReport& report = bvh.report;
-  nb::list stages;
-  for (const treelet::StageTime& stage : report.stages) {
-    stages.append(nb::make_tuple(stage.name, stage.seconds));
-  }
-  nb::dict leaf_histogram;
-  for (std::size_t size = 1; size < report.tree.leaf_histogram.size(); ++size) {
-    if (report.tree.leaf_histogram[size] == 0) continue;
-    leaf_histogram[nb::int_(size)] = report.tree.leaf_histogram[size];
-  }
-  nb::dict result;
-  result["recipe"] = report.recipe;
-  result["stages"] = stages;
-  result["build_seconds"] = report.seconds;
-  result["faces"] = report.faces;
-  result["references"] = report.references;
-  result["left_out_non_finite"] = report.left_out_non_finite;
-  result["left_out_degenerate"] = report.left_out_degenerate;
-  result["nodes"] = report.tree.nodes;
-  result["leaves"] = report.tree.leaves;
-  result["depth"] = report.tree.depth;
-  result["leaf_histogram"] = leaf_histogram;
-  result["bytes"] = report.tree.bytes;
-  result["sah"] = report.sah;
-  return result;
+treelet::UpdatableBvh build_updatable(const Vec3Array& vertices, const FaceArray& faces,
+                                      const std::string& recipe, bool validate) {
+  const treelet::Mesh mesh = as_mesh(vertices, faces);
+  const nb::gil_scoped_release release;
+  return treelet::UpdatableBvh(mesh, recipe, options(validate));
 }
+
+void refit(treelet::UpdatableBvh& tree, const Vec3Array& vertices) {
+  const std::span<const treelet::Vec3> moved = as_vertices(vertices);
+  const nb::gil_scoped_release release;
+  tree.refit(moved);
+}
+
+void rebuild(treelet::UpdatableBvh& tree, const Vec3Array& vertices) {
+  const std::span<const treelet::Vec3> moved = as_vertices(vertices);
+  const nb::gil_scoped_release release;
+  tree.rebuild(moved);
+}
+
+nb::dict report(const treelet::Bvh& bvh) { return describe_report(bvh.report); }
 
 nb::object bounds(const treelet::Bvh& bvh) {
   const treelet::Aabb box = bvh.bounds();
@@ -108,8 +112,14 @@ void bind_pipeline(nb::module_& module) {
       .def("epo", epo, "max_triangles"_a)
       .def("validate", validate_tree)
       .def("validate_against", validate_against, "vertices"_a.noconvert(), "faces"_a.noconvert());
+  nb::class_<treelet::UpdatableBvh>(module, "UpdatableBvh")
+      .def_prop_ro("bvh", &treelet::UpdatableBvh::bvh, nb::rv_policy::reference_internal)
+      .def("refit", refit, "vertices"_a.noconvert())
+      .def("rebuild", rebuild, "vertices"_a.noconvert());
   module.def("build", build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "recipe"_a,
              "validate"_a);
+  module.def("build_updatable", build_updatable, "vertices"_a.noconvert(), "faces"_a.noconvert(),
+             "recipe"_a, "validate"_a);
   module.def(
       "canonical_recipe",
       [](const std::string& recipe) { return treelet::parse_recipe(recipe).text(); }, "recipe"_a);

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -18,7 +20,11 @@ class Stage(NamedTuple):
 
 
 class Report:
-    """Times, costs and counts of a build. Costs are in triangle tests, times in seconds."""
+    """Times, costs and counts of a build, or of a rebuild, and of the refits since.
+
+    Costs are in triangle tests, times in seconds. It does not change with the tree: after an update,
+    `Bvh.report` is another one.
+    """
 
     recipe: str
     """The recipe with every argument written out."""
@@ -44,11 +50,28 @@ class Report:
     """Memory of the tree, its triangles included."""
     sah: float
     """Surface area heuristic: expected cost of a random ray (1.2 a node, 1 a triangle)."""
+    layout_sah: float
+    """The same of the layout as it is now, where a wide node counts once: compare within one layout."""
+    layout_sah_at_build: float
+    """What layout_sah was before any refit. Both are relative to the mesh's own box, which may have grown."""
+    refits: int
+    """Refits since the build or the last rebuild."""
+    refit_seconds: float
+    """Wall clock of the last refit; 0 where there was none."""
+    hidden: int
+    """Triangles in leaves that no ray hits since the last refit: not finite, or two equal vertices."""
+    held_bytes: int
+    """Memory of a tree that can be updated, with all that its updates keep; 0 for other trees."""
     vertex_rounding: float
     """How far the conversion to float32 moved a vertex, at most."""
 
-    def __init__(self, core: _core.Bvh, vertex_rounding: float) -> None:
-        self._core = core
+    def __init__(
+        self,
+        core: _core.Bvh,
+        vertex_rounding: float,
+        reading: Callable[[], AbstractContextManager[None]] = nullcontext,
+    ) -> None:
+        self._core, self._reading = core, reading
         self.vertex_rounding = vertex_rounding
         for name, value in core.report.items():
             setattr(self, name, value)
@@ -59,9 +82,11 @@ class Report:
         """End-point overlap (Aila, Karras and Laine 2013): the cost of foreign nodes where rays end.
 
         Computed at first use, in about the time of a few builds; beyond 200 000 faces it is estimated from
-        so many of them. A wide node counts once, like a binary one: compare within one layout.
+        so many of them. A wide node counts once, like a binary one: compare within one layout. Of a tree
+        that was updated before, it is the EPO of the tree as it is by then.
         """
-        return self._core.epo(_EPO_TRIANGLES)
+        with self._reading():
+            return self._core.epo(_EPO_TRIANGLES)
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, strings, lists and dictionaries; computes the EPO."""

@@ -31,6 +31,12 @@ def test_as_dict_is_plain(report):
         "leaf_histogram",
         "bytes",
         "sah",
+        "layout_sah",
+        "layout_sah_at_build",
+        "refits",
+        "refit_seconds",
+        "hidden",
+        "held_bytes",
         "epo",
         "vertex_rounding",
     }

@@ -9,6 +9,12 @@
 #if defined(_WIN32)
 #include <malloc.h>
 #endif
+#if __has_include(<sanitizer/asan_interface.h>)
+#include <sanitizer/asan_interface.h>  // its macros do nothing without the sanitizer
+#else
+#define ASAN_POISON_MEMORY_REGION(memory, bytes) ((void)(memory), (void)(bytes))
+#define ASAN_UNPOISON_MEMORY_REGION(memory, bytes) ((void)(memory), (void)(bytes))
+#endif
 
 namespace treelet {
 namespace {
@@ -44,6 +50,13 @@ void free_bytes(void* memory) noexcept {
 #else
   std::free(memory);
 #endif
+}
+
+void poison_bytes(void* memory, std::size_t bytes) noexcept {
+  ASAN_POISON_MEMORY_REGION(memory, bytes);
+}
+void unpoison_bytes(void* memory, std::size_t bytes) noexcept {
+  ASAN_UNPOISON_MEMORY_REGION(memory, bytes);
 }
 
 }  // namespace treelet

@@ -9,4 +9,8 @@ namespace treelet {
 void* allocate_bytes(std::size_t bytes);
 void free_bytes(void* memory) noexcept;
 
+/// Makes the address sanitizer, where there is one, report who touches these bytes; and no longer.
+void poison_bytes(void* memory, std::size_t bytes) noexcept;
+void unpoison_bytes(void* memory, std::size_t bytes) noexcept;
+
 }  // namespace treelet

@@ -14,6 +14,15 @@
 
 namespace treelet {
 
+/// What updates did since the last build; zeros for a tree that cannot be updated.
+struct UpdateReport {
+  std::size_t refits = 0;
+  double seconds = 0.0;    ///< wall clock of the last one
+  double sah = 0.0;        ///< of the layout now, to be compared with BuildReport::tree.sah
+  std::size_t hidden = 0;  ///< triangles in leaves that no ray can hit now (layout/refit_layout.h)
+  std::size_t held_bytes = 0;  ///< memory of the tree and of what updates need
+};
+
 /// What a build did.
 struct BuildReport {
   std::string recipe;  ///< with every argument written out
@@ -25,9 +34,11 @@ struct BuildReport {
   std::size_t left_out_degenerate = 0;
   double sah = 0.0;     ///< of the binary tree with its best leaves: the same for every layout
   TreeStatistics tree;  ///< of the layout
+  UpdateReport update{};
 };
 
-/// A built tree. Immutable, owns a copy of its triangles, and may be queried from many threads.
+/// A built tree. Immutable, owns a copy of its triangles, and may be queried from many threads. For
+/// meshes that move there is UpdatableBvh (pipeline/update.h).
 struct Bvh {
   std::variant<Bvh2, Bvh8> layout;
   SahModel sah;

@@ -1,0 +1,351 @@
+"""What refit() and rebuild() promise: answers of the moved mesh, memory that stays, one user at a time."""
+
+import contextlib
+import threading
+import time
+
+import numpy as np
+import pytest
+from sample_meshes import TRIANGLE_FACES, TRIANGLE_VERTICES, grid, random_triangles
+from sample_rays import crossing_rays, mixed_rays
+
+import treelet
+from treelet import scenes
+
+RECIPES = ["fast", "balanced", "lbvh > treelet > bvh2", "sweep"]
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return treelet.Mesh(*random_triangles(2000))
+
+
+def moved(vertices, frame):
+    """Waves through the mesh; frame 0 leaves it as it is."""
+    x, y, z = vertices.astype(np.float64).T
+    amount = 0.1 * frame
+    bent = np.stack([x + amount * np.sin(5 * y + frame), y + amount * z, z + amount * np.cos(4 * x)], axis=1)
+    return bent.astype(np.float32)
+
+
+def as_bytes(arrays):
+    return b"".join(array.tobytes() for array in arrays)
+
+
+def assert_brute_force(bvh, vertices, faces, seed=3, count=300):
+    rays = crossing_rays(treelet.Mesh(vertices, faces), count, np.random.default_rng(seed))
+    expected = treelet.intersect_brute_force(vertices, faces, *rays)
+    assert as_bytes(bvh.intersect(*rays)) == as_bytes(expected)
+    np.testing.assert_array_equal(bvh.occluded(*rays), expected.face >= 0)
+    assert (expected.face >= 0).any()
+
+
+def untimed(report):
+    times = ("stages", "build_seconds", "refit_seconds", "held_bytes")
+    return {name: value for name, value in report.as_dict().items() if name not in times}
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_refit_answers_like_brute_force(mesh, recipe):
+    bvh = treelet.build(mesh.vertices, mesh.faces, recipe, updatable=True)
+    for frame in (1, 5, 40, 0):
+        vertices = moved(mesh.vertices, frame)
+        assert bvh.refit(vertices) is None
+        assert bvh.validate() == bvh.validate(vertices, mesh.faces) == []
+        assert_brute_force(bvh, vertices, mesh.faces)
+        np.testing.assert_array_equal(bvh.bounds, [vertices.min(axis=0), vertices.max(axis=0)])
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_rebuild_is_a_new_build(mesh, recipe):
+    bvh = treelet.build(mesh.vertices, mesh.faces, recipe, updatable=True)
+    rays = crossing_rays(mesh, 500, np.random.default_rng(1))
+    for frame in (1, 2, 7):
+        vertices = moved(mesh.vertices, frame)
+        bvh.refit(moved(mesh.vertices, 3))
+        assert bvh.rebuild(vertices) is None
+        fresh = treelet.build(vertices, mesh.faces, recipe)
+        assert as_bytes(bvh.intersect(*rays)) == as_bytes(fresh.intersect(*rays))
+        assert as_bytes(bvh.traversal_cost(*rays)) == as_bytes(fresh.traversal_cost(*rays))
+        assert untimed(bvh.report) == untimed(fresh.report)
+        assert bvh.validate(vertices, mesh.faces) == []
+
+
+def test_vertices_are_converted_as_for_build(mesh):
+    bvh = treelet.build(mesh.vertices, mesh.faces, updatable=True)
+    vertices = moved(mesh.vertices, 2)
+    for given in (vertices.astype(np.float64), vertices.tolist(), np.asfortranarray(vertices)):
+        for update in (bvh.refit, bvh.rebuild):
+            update(given)
+            assert bvh.validate(vertices, mesh.faces) == []
+    far = 1e6 + vertices.astype(np.float64)
+    with pytest.warns(treelet.PrecisionWarning) as warned:
+        bvh.refit(far)
+    assert warned[0].filename == __file__
+    assert bvh.report.vertex_rounding > 0.01
+    bvh.refit(vertices)
+    assert bvh.report.vertex_rounding == 0
+
+
+def test_tree_keeps_its_own_copy():
+    vertices, faces = grid(4)
+    bvh = treelet.build(vertices, faces, updatable=True)
+    faces[:] = 0
+    higher = vertices + np.float32([0, 0, 0.5])
+    bvh.refit(higher)
+    higher[:] = 0
+    assert bvh.intersect([0.3, 0.3, 1], [0, 0, -1]).t == 0.5
+
+
+# The report
+
+
+def test_report_of_a_refit(mesh):
+    bvh = treelet.build(mesh.vertices, mesh.faces, updatable=True)
+    built = bvh.report
+    assert (built.refits, built.refit_seconds, built.hidden) == (0, 0, 0)
+    assert built.layout_sah == built.layout_sah_at_build > 1
+    bvh.refit(moved(mesh.vertices, 3))
+    bvh.refit(moved(mesh.vertices, 4))
+    report = bvh.report
+    assert (report.refits, built.refits) == (2, 0)
+    assert report.refit_seconds > 0
+    assert (report.recipe, report.sah, report.nodes) == (built.recipe, built.sah, built.nodes)
+    assert report.layout_sah_at_build == built.layout_sah
+    assert report.layout_sah != report.layout_sah_at_build
+    bvh.refit(mesh.vertices)
+    assert bvh.report.layout_sah == pytest.approx(built.layout_sah, rel=1e-9)
+    bvh.rebuild(moved(mesh.vertices, 4))
+    assert bvh.report.refits == bvh.report.refit_seconds == 0
+    assert bvh.report.layout_sah == bvh.report.layout_sah_at_build < report.layout_sah
+
+
+def test_trees_that_cannot_be_updated_hold_nothing(mesh):
+    report = treelet.build(mesh.vertices, mesh.faces).report
+    assert report.held_bytes == report.refits == 0
+    assert report.layout_sah == report.layout_sah_at_build > 1
+
+
+def test_memory_stays_constant_over_rebuilds(mesh):
+    bvh = treelet.build(mesh.vertices, mesh.faces, updatable=True)
+    assert bvh.report.bytes < bvh.report.held_bytes < 2 * bvh.report.bytes
+    held = []
+    for frame in range(50):
+        bvh.rebuild(moved(mesh.vertices, frame % 4))
+        held.append(bvh.report.held_bytes)
+    assert max(held[10:]) <= max(held[:10])
+
+
+# Bad triangles
+
+
+def test_triangles_that_become_bad_are_hidden_and_come_back(mesh):
+    bvh = treelet.build(mesh.vertices, mesh.faces, updatable=True)
+    bad = mesh.vertices.copy()
+    bad[mesh.faces[4, 1], 2] = np.nan
+    bad[mesh.faces[5]] = np.inf
+    bad[mesh.faces[7, 0]] = bad[mesh.faces[7, 2]]
+    bvh.refit(bad)
+    assert (bvh.report.hidden, bvh.report.left_out_non_finite, bvh.report.left_out_degenerate) == (3, 0, 0)
+    assert bvh.validate() == []
+    assert np.isfinite(bvh.bounds).all()
+    rays = crossing_rays(mesh, 500, np.random.default_rng(1))
+    expected = treelet.intersect_brute_force(bad, mesh.faces, *rays)
+    assert as_bytes(bvh.intersect(*rays)) == as_bytes(expected)
+    bvh.refit(mesh.vertices)
+    assert bvh.report.hidden == 0
+    assert bvh.validate(mesh.vertices, mesh.faces) == []
+
+
+def test_triangles_left_out_at_the_build_stay_out_until_a_rebuild(mesh):
+    bad = mesh.vertices.copy()
+    bad[mesh.faces[:100, 1]] = np.nan
+    bvh = treelet.build(bad, mesh.faces, updatable=True)
+    bvh.refit(mesh.vertices)
+    assert (bvh.report.left_out_non_finite, bvh.report.hidden) == (100, 0)
+    rays = crossing_rays(mesh, 500, np.random.default_rng(1))
+    assert bvh.intersect(*rays).face[bvh.intersect(*rays).face >= 0].min() >= 100
+    bvh.rebuild(mesh.vertices)
+    assert bvh.report.left_out_non_finite == 0
+    assert_brute_force(bvh, mesh.vertices, mesh.faces)
+
+
+@pytest.mark.parametrize("value", [0.25, np.nan, np.inf])
+def test_a_mesh_that_collapses_is_missed_and_comes_back(mesh, value):
+    bvh = treelet.build(mesh.vertices, mesh.faces, updatable=True)
+    rays = crossing_rays(mesh, 200, np.random.default_rng(1))
+    point = np.full_like(mesh.vertices, value)
+    for update in (bvh.refit, bvh.rebuild):
+        update(point)
+        assert (bvh.intersect(*rays).face == -1).all()
+        assert not bvh.occluded([-1, -1, -1], [1.25, 1.25, 1.25])
+        assert bvh.validate() == []
+    assert bvh.report.references == 0
+    bvh.rebuild(mesh.vertices)
+    assert_brute_force(bvh, mesh.vertices, mesh.faces)
+
+
+def test_an_empty_mesh_can_be_updated():
+    bvh = treelet.build([], [], updatable=True)
+    bvh.refit([])
+    bvh.rebuild(np.zeros((0, 3)))
+    assert bvh.intersect([0, 0, 1], [0, 0, -1]).face == -1
+
+
+# Errors
+
+
+def test_a_tree_that_is_not_updatable_says_what_to_do():
+    bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES)
+    message = (
+        r"^this tree cannot be updated: build it with treelet\.build\(vertices, faces, updatable=True\)$"
+    )
+    for update in (bvh.refit, bvh.rebuild):
+        with pytest.raises(RuntimeError, match=message):
+            update(TRIANGLE_VERTICES)
+
+
+@pytest.mark.parametrize("name", ["refit", "rebuild"])
+@pytest.mark.parametrize(
+    ("vertices", "error", "message"),
+    [
+        (np.zeros((4, 3)), ValueError, "^the tree was built over 3 vertices and cannot be updated with 4: "),
+        ([], ValueError, "^the tree was built over 3 vertices and cannot be updated with 0: "),
+        (np.zeros((3, 2)), ValueError, r"^vertices must have shape \(V, 3\), not \(3, 2\)$"),
+        (np.zeros(9), ValueError, r"^vertices must have shape \(V, 3\), not \(9,\)$"),
+        ([["a"] * 3] * 3, TypeError, "^vertices must hold real numbers"),
+        (None, TypeError, "^vertices must hold real numbers"),
+    ],
+)
+def test_a_failed_update_leaves_the_tree_as_it_was(name, vertices, error, message):
+    bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES, updatable=True)
+    before = bvh.report
+    with pytest.raises(error, match=message):
+        getattr(bvh, name)(vertices)
+    assert bvh.report is before
+    assert bvh.intersect([0.2, 0.2, 1], [0, 0, -1]).t == 1
+    getattr(bvh, name)(TRIANGLE_VERTICES + np.float32([0, 0, 0.5]))
+    assert bvh.intersect([0.2, 0.2, 1], [0, 0, -1]).t == 0.5
+
+
+def test_to_cpu_is_itself():
+    bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES)
+    assert bvh.to("cpu") is bvh
+    with pytest.raises(ValueError, match=r"device must be .*, not 'tpu'"):
+        bvh.to("tpu")
+
+
+# Threads
+
+
+@pytest.fixture(scope="module")
+def city():
+    return scenes.make("city", 20_000)
+
+
+def run_beside(work, attempt):
+    """Runs work() in another thread; returns what attempt() raised while it ran, or None."""
+
+    def work_unless_refused():
+        with contextlib.suppress(RuntimeError):  # attempt() may be there first
+            work()
+
+    thread = threading.Thread(target=work_unless_refused)
+    thread.start()
+    try:
+        while thread.is_alive():
+            try:
+                attempt()
+            except RuntimeError as error:
+                return str(error)
+            time.sleep(0)
+        return None
+    finally:
+        thread.join()
+
+
+def until_refused(make_work, attempt):
+    """The overlap depends on luck, so the work is made longer until there is one."""
+    for size in (1, 4, 16, 64):
+        if refusal := run_beside(make_work(size), attempt):
+            return refusal
+    return None
+
+
+def test_an_update_beside_a_query_is_refused(city):
+    bvh = treelet.build(city.vertices, city.faces, updatable=True)
+    rays = mixed_rays(city, 20_000, seed=4)
+
+    def query(size):
+        many = [np.tile(array, (size, 1)) for array in rays]
+        return lambda: bvh.intersect(*many)
+
+    refusal = until_refused(query, lambda: bvh.refit(city.vertices))
+    assert refusal == "another thread uses this tree: update it before or after"
+
+
+def test_queries_and_updates_beside_an_update_are_refused(city):
+    bvh = treelet.build(city.vertices, city.faces, updatable=True)
+
+    def rebuild(size):
+        return lambda: [bvh.rebuild(city.vertices) for _ in range(size)]
+
+    attempts = {
+        "intersect": lambda: bvh.intersect([0, 0, 9], [0, 0, -1]),
+        "occluded": lambda: bvh.occluded([0, 0, 9], [0, 0, -1]),
+        "traversal_cost": lambda: bvh.traversal_cost([0, 0, 9], [0, 0, -1]),
+        "validate": bvh.validate,
+        "bounds": lambda: bvh.bounds,
+    }
+    for attempt in attempts.values():
+        with bvh._guard.update(), pytest.raises(RuntimeError, match=r"^another thread updates this tree"):
+            attempt()
+        attempt()  # and now it may
+    with bvh._guard.update():
+        with pytest.raises(RuntimeError, match=r"^another thread updates this tree"):
+            _ = bvh.report.epo
+        with pytest.raises(RuntimeError, match=r"^another thread uses this tree"):
+            bvh.refit(city.vertices)
+    with bvh._guard.query(), bvh._guard.query(), pytest.raises(RuntimeError):
+        bvh.rebuild(city.vertices)
+    refusal = until_refused(rebuild, attempts["intersect"])
+    assert refusal == "another thread updates this tree: query it before or after"
+
+
+def test_queries_may_overlap(city):
+    bvh = treelet.build(city.vertices, city.faces, updatable=True)
+    rays = mixed_rays(city, 5_000, seed=4)
+    expected = as_bytes(bvh.intersect(*rays))
+    answers = []
+    threads = [
+        threading.Thread(target=lambda: answers.append(as_bytes(bvh.intersect(*rays)))) for _ in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert answers == [expected] * 4
+
+
+def test_other_python_threads_run_during_an_update(city):
+    copies = [city.vertices + np.float32([100 * copy, 0, 0]) for copy in range(8)]
+    faces = np.concatenate([city.faces + copy * len(city.vertices) for copy in range(8)])
+    vertices = np.concatenate(copies)
+    bvh = treelet.build(vertices, faces, updatable=True)
+    for update in (bvh.refit, bvh.rebuild):
+        for repeats in (1, 4, 16, 64):
+            ticks = ticks_during(lambda update=update, n=repeats: [update(vertices) for _ in range(n)])
+            if ticks >= 5:
+                break
+        assert ticks >= 5
+
+
+def ticks_during(function):
+    """How often this thread wakes up from a sleep of a millisecond while another runs the function."""
+    worker = threading.Thread(target=function)
+    worker.start()
+    ticks = 0
+    while worker.is_alive():
+        time.sleep(0.001)
+        ticks += worker.is_alive()
+    return ticks
