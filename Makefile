@@ -26,22 +26,23 @@ export CTEST_PARALLEL_LEVEL := $(JOBS)
 
 CPP_DIRS := $(wildcard src python/bindings tests bench examples)
 PYTHON_DIRS := $(wildcard python tests tools bench examples)
-CPP_FILES = $(shell find $(CPP_DIRS) -name '*.h' -o -name '*.inl' -o -name '*.cpp')
+CPP_NAMES := -name '*.h' -o -name '*.inl' -o -name '*.cpp' -o -name '*.cu' -o -name '*.cuh'
+CPP_FILES = $(shell find $(CPP_DIRS) $(CPP_NAMES))
 EXTENSION_INPUTS := CMakeLists.txt $(wildcard cmake/*) \
-  $(shell find $(wildcard src python/bindings) -name '*.h' -o -name '*.inl' -o -name '*.cpp')
+  $(shell find $(wildcard src python/bindings) $(CPP_NAMES))
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cpp test-python lint format bench sanitize install clean
+.PHONY: help demo test test-cpp test-python test-cuda lint format bench sanitize cuda gpu install clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  Variables: PYTHON=python3.12  JOBS=2  MESH=path.ply (demo)  ARGS=... (demo, bench, test-python)"
+	@echo "  Variables: PYTHON=python3.12  JOBS=2  MESH=path.ply (demo)  ARGS=... (demo, bench, gpu, test-python)"
 
 demo: $(STAMPS)/package ## Build trees of a scene (or MESH=path.ply), trace, plot: results in out/
 	$(BIN)/treelet demo $(if $(MESH),"$(MESH)") $(ARGS)
 
-test: test-cpp test-python ## Run the C++ and the Python tests
+test: test-cpp test-python test-cuda ## Run the C++ and the Python tests
 
 test-cpp: $(STAMPS)/native
 	@$(call configured,release)
@@ -51,12 +52,19 @@ test-cpp: $(STAMPS)/native
 test-python: $(STAMPS)/package
 	$(BIN)/python -m pytest $(ARGS)
 
+# Kernels run on the host here and in test-cpp: no GPU is needed (tests/emulator/README.md).
+test-cuda: $(STAMPS)/package
+	@cmake --preset release --log-level=WARNING > /dev/null  # again: it may find nanobind now
+	cmake --build --preset release --target treelet_emulated_python
+	$(BIN)/python tests/python/run_emulated.py build/release/emulated tests/python/test_cuda_arrays.py
+
 lint: $(STAMPS)/lint ## Check formatting, style, layering and sizes
 	$(BIN)/ruff check $(PYTHON_DIRS)
 	$(BIN)/ruff format --check $(PYTHON_DIRS)
 	$(BIN)/clang-format --dry-run -Werror $(CPP_FILES)
 	$(BIN)/python tools/check_layers.py
 	$(BIN)/python tools/check_sizes.py
+	$(BIN)/python tools/check_device_code.py
 
 format: $(STAMPS)/lint ## Rewrite the sources in the project's format
 	$(BIN)/ruff check --fix $(PYTHON_DIRS)
@@ -73,6 +81,17 @@ sanitize: $(STAMPS)/native ## Run the C++ tests, without the slow ones, under th
 	@$(call configured,tsan)
 	cmake --build --preset tsan
 	ctest --preset tsan
+
+# Tracing spills what is alive across the call of the exact triangle test, which few triangles need.
+SPILLS := --allow-spill 'trace_rays*' 'intersect_exactly*'
+
+cuda: $(STAMPS)/cuda ## Compile the CUDA code, which needs no GPU, and list what its kernels use
+	@$(call configured,cuda)
+	cmake --build --preset cuda
+	$(BIN)/python tools/kernel_resources.py build/cuda $(SPILLS)
+
+gpu: ## Test and measure on this machine's GPU, with what is installed (CUDA, CMake, nanobind, ...)
+	$(PYTHON) tools/gpu.py $(ARGS)
 
 install: $(STAMPS)/package ## Build the Python package into .venv (editable)
 
@@ -97,6 +116,10 @@ $(STAMPS)/native: $(STAMPS)/venv tools/missing_build_tools.py
 
 $(STAMPS)/lint: $(STAMPS)/venv pyproject.toml
 	@$(PIP) install --group lint
+	@touch $@
+
+$(STAMPS)/cuda: $(STAMPS)/native pyproject.toml
+	@$(PIP) install --group cuda
 	@touch $@
 
 $(STAMPS)/build-requirements: $(STAMPS)/native pyproject.toml

@@ -5,5 +5,7 @@
 // One function a folder of the library that Python sees; module.cpp calls them.
 
 void bind_core(nanobind::module_& module);
+void bind_cuda(nanobind::module_& module);
+void bind_device(nanobind::module_& module);
 void bind_pipeline(nanobind::module_& module);
 void bind_query(nanobind::module_& module);

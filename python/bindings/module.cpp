@@ -4,6 +4,8 @@ NB_MODULE(_core, module) {
   module.doc() = "treelet's compiled part; use the functions of the package treelet.";
   module.attr("__version__") = TREELET_VERSION;
   bind_core(module);
+  bind_cuda(module);
   bind_pipeline(module);
+  bind_device(module);  // its methods take and give classes of the pipeline
   bind_query(module);
 }

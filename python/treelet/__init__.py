@@ -7,15 +7,18 @@ t, face, u, v = bvh.intersect(origins, directions)  # (..., 3) floats each
 shadowed = bvh.occluded(origins, directions)
 """
 
+from . import cuda
 from ._core import __version__, set_thread_count, thread_count
 from ._inputs import PrecisionWarning
 from .bvh import Bvh, Hits, Work, build, intersect_brute_force
+from .device_bvh import DeviceBvh
 from .mesh import Mesh, load_mesh
 from .recipes import Parameter, RecipeWord, parse_recipe, presets, recipe_words
 from .report import Report, Stage
 
 __all__ = [
     "Bvh",
+    "DeviceBvh",
     "Hits",
     "Mesh",
     "Parameter",
@@ -26,6 +29,7 @@ __all__ = [
     "Work",
     "__version__",
     "build",
+    "cuda",
     "intersect_brute_force",
     "load_mesh",
     "parse_recipe",

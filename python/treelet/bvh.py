@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from contextlib import nullcontext
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
+from ._device import is_on_device
+from ._guard import UseGuard
 from ._inputs import FloatArray, as_faces, as_rays, as_recipe, as_vertices
+from .device_bvh import DeviceBvh, build_on_device, move_to_device
 from .report import Report
 
 __all__ = ["Bvh", "Hits", "Work", "build", "intersect_brute_force"]
@@ -37,18 +41,27 @@ class Work(NamedTuple):
 
 
 class Bvh:
-    """A bounding volume hierarchy over a triangle mesh; immutable, safe to query from many threads.
+    """A bounding volume hierarchy over a triangle mesh, safe to query from many threads.
 
-    It owns a copy of the triangles. Every query takes any leading shape: origins and directions (..., 3)
+    It owns a copy of the triangles, and never changes unless it was built with `updatable=True`: then `refit`
+    and `rebuild` move it to where the mesh is now. Other threads that use the tree meanwhile get a
+    RuntimeError.
+
+    Every query takes any leading shape: origins and directions (..., 3)
     and t_min and t_max (...) are broadcast against each other, and the answers have the broadcast shape.
     Rays are rounded to float32. Rays with a NaN or infinite origin or direction, a zero direction or a
     NaN limit miss.
     """
 
-    def __init__(self, core: _core.Bvh, vertex_rounding: float = 0.0) -> None:
+    def __init__(
+        self, core: _core.Bvh, vertex_rounding: float = 0.0, updatable: _core.UpdatableBvh | None = None
+    ) -> None:
         """Not for users: call `treelet.build`."""
         self._core = core
-        self._report = Report(core, vertex_rounding)
+        self._updatable = updatable
+        self._guard = UseGuard() if updatable else None
+        self._reading = self._guard.query if self._guard else nullcontext
+        self._report = Report(core, vertex_rounding, self._reading)
 
     def intersect(
         self,
@@ -75,7 +88,9 @@ class Bvh:
             TypeError: where an array does not hold numbers.
         """
         rays = as_rays(origins, directions, t_min, t_max)
-        return Hits(*(array.reshape(rays.shape) for array in _core.intersect(self._core, *rays.arguments)))
+        with self._reading():
+            hits = _core.intersect(self._core, *rays.arguments)
+        return Hits(*(array.reshape(rays.shape) for array in hits))
 
     def occluded(
         self,
@@ -90,7 +105,8 @@ class Bvh:
             bool array of the broadcast leading shape. Faster than `intersect`: the first hit found ends it.
         """
         rays = as_rays(origins, directions, t_min, t_max)
-        return _core.occluded(self._core, *rays.arguments).reshape(rays.shape)
+        with self._reading():
+            return _core.occluded(self._core, *rays.arguments).reshape(rays.shape)
 
     def traversal_cost(
         self,
@@ -104,8 +120,64 @@ class Bvh:
         The counts are the same on every machine, so they compare trees where timings are noisy.
         """
         rays = as_rays(origins, directions, t_min, t_max)
-        counts = _core.traversal_cost(self._core, *rays.arguments)
+        with self._reading():
+            counts = _core.traversal_cost(self._core, *rays.arguments)
         return Work(*(array.reshape(rays.shape) for array in counts))
+
+    def refit(self, vertices: ArrayLike) -> None:
+        """Move the triangles to where the vertices are now and fit the boxes, but keep the tree's shape.
+
+        Many times faster than `rebuild`, and every answer is right, however far the vertices move; but rays
+        slow down the less the mesh looks as it did at the build. `report.layout_sah` against
+        `report.layout_sah_at_build` tells how much. Triangles that are not finite any more, or have two equal
+        vertices, are not hit until they have a shape again (`report.hidden`); those that the build left out
+        stay out until a rebuild.
+
+        Args:
+            vertices: (V, 3) as for `treelet.build`, as many as there: the faces are those of the build.
+
+        Raises:
+            RuntimeError: for a tree built without `updatable=True`, or while another thread uses it.
+            ValueError: for a wrong shape or another number of vertices; the tree stays as it was.
+            TypeError: for an array that does not hold numbers.
+        """
+        tree, guard = self._require_updatable()
+        points = as_vertices(vertices)
+        with guard.update():
+            tree.refit(points.array)
+            self._report = Report(self._core, points.rounding, self._reading)
+
+    def rebuild(self, vertices: ArrayLike) -> None:
+        """Run the whole recipe again over moved vertices. Arguments and errors as `refit`.
+
+        The tree is that of `treelet.build`; from the second rebuild on it takes no new memory.
+        """
+        tree, guard = self._require_updatable()
+        points = as_vertices(vertices)
+        with guard.update():
+            tree.rebuild(points.array)
+            self._report = Report(self._core, points.rounding, self._reading)
+
+    def to(self, device: str, *, stream: Any = None) -> Bvh | DeviceBvh:
+        """This tree elsewhere: "cuda" copies it to the current CUDA device and waits; "cpu" is where it is.
+
+        Raises:
+            ValueError: for any other device.
+            RuntimeError: where there is no CUDA device.
+        """
+        if device == "cpu":
+            return self
+        if device != "cuda":
+            raise ValueError(f"device must be 'cpu' or 'cuda', not {device!r}")
+        with self._reading():
+            return move_to_device(self._core, stream)
+
+    def _require_updatable(self) -> tuple[_core.UpdatableBvh, UseGuard]:
+        if self._updatable is None or self._guard is None:
+            raise RuntimeError(
+                "this tree cannot be updated: build it with treelet.build(vertices, faces, updatable=True)"
+            )
+        return self._updatable, self._guard
 
     def validate(self, vertices: ArrayLike | None = None, faces: ArrayLike | None = None) -> list[str]:
         """List what is wrong with the tree, at most 20 sentences; empty for a sound one.
@@ -115,9 +187,12 @@ class Bvh:
         if (vertices is None) != (faces is None):
             raise TypeError("validate takes both vertices and faces, or neither")
         if vertices is None:
-            return self._core.validate()
+            with self._reading():
+                return self._core.validate()
         points = as_vertices(vertices).array
-        return self._core.validate_against(points, as_faces(faces, len(points)))
+        corners = as_faces(faces, len(points))
+        with self._reading():
+            return self._core.validate_against(points, corners)
 
     @property
     def report(self) -> Report:
@@ -132,7 +207,8 @@ class Bvh:
     @property
     def bounds(self) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
         """(2, 3) float32: lower and upper corner; inf and -inf for an empty tree."""
-        return np.array(self._core.bounds, dtype=np.float32)
+        with self._reading():
+            return np.array(self._core.bounds, dtype=np.float32)
 
     def __repr__(self) -> str:
         report = self._report
@@ -148,9 +224,10 @@ def build(
     faces: ArrayLike,
     recipe: str = "balanced",
     *,
+    updatable: bool = False,
     validate: bool = False,
-) -> Bvh:
-    """Build a tree over a triangle mesh.
+) -> Any:
+    """Build a tree over a triangle mesh, where the mesh lies: on the CPU, or on a CUDA device.
 
     Triangles with a NaN or infinite vertex, and triangles with two equal vertices, are left out and counted
     in the report. An empty mesh gives a tree that every ray misses. The same input and recipe give the same
@@ -162,16 +239,32 @@ def build(
         faces: (F, 3) integer indices into vertices.
         recipe: the name of a preset (see `treelet.presets`) or the text of a recipe, such as
             "lbvh > treelet(size=8) > bvh8" (see `treelet.recipe_words`).
+        updatable: keep what `Bvh.refit` and `Bvh.rebuild` need: 12 bytes a face, and from the first rebuild
+            on the memory that a build takes (`report.held_bytes`).
         validate: check the tree after every stage; about doubles the time.
+
+    Arrays on a CUDA device (of torch, cupy, jax, numba or any library with `__cuda_array_interface__`) give a
+    `treelet.DeviceBvh`, built there: vertices must be float32 and faces integers of 32 or 64 bits, both
+    contiguous. Work is enqueued on the current stream of their library, and waited for once.
+
+    Returns:
+        A `treelet.Bvh`, or a `treelet.DeviceBvh` for arrays on a device.
 
     Raises:
         ValueError: for a wrong shape, a face index out of range (the first is named) or a bad recipe.
         TypeError: for arrays that do not hold numbers, faces that are no integers, a recipe that is no text.
-        RuntimeError: where validation finds a violation, which is a bug in treelet.
+        RuntimeError: where validation finds a violation, which is a bug in treelet; where CUDA fails, or has
+            no version of a word of the recipe.
     """
+    if is_on_device(vertices):
+        return build_on_device(vertices, faces, recipe, updatable=updatable, validate=validate)
     points = as_vertices(vertices)
     corners = as_faces(faces, len(points.array))
-    return Bvh(_core.build(points.array, corners, as_recipe(recipe), validate), points.rounding)
+    arguments = (points.array, corners, as_recipe(recipe), validate)
+    if not updatable:
+        return Bvh(_core.build(*arguments), points.rounding)
+    tree = _core.build_updatable(*arguments)
+    return Bvh(tree.bvh, points.rounding, tree)
 
 
 def intersect_brute_force(

@@ -3,6 +3,7 @@
 /// The whole of treelet's C++ interface. Start with build() in pipeline/build.h.
 
 #include <treelet/core/aabb.h>
+#include <treelet/core/cuda_device.h>
 #include <treelet/core/parallel.h>
 #include <treelet/core/ray.h>
 #include <treelet/core/vec.h>
@@ -11,5 +12,7 @@
 #include <treelet/mesh/mesh.h>
 #include <treelet/pipeline/build.h>
 #include <treelet/pipeline/bvh.h>
+#include <treelet/pipeline/device_bvh.h>
 #include <treelet/pipeline/recipe.h>
+#include <treelet/pipeline/update.h>
 #include <treelet/query/intersect.h>

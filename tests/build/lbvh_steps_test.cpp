@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/random.h"
@@ -128,6 +129,51 @@ TEST(RadixTreeView, CommonPrefixCountsBits) {
       for (std::int64_t j = -2; j < 26; ++j) {
         if (j == i) continue;
         ASSERT_EQ(tree.common_prefix(i, j), naive_prefix(codes, i, j));
+      }
+    }
+  }
+}
+
+/// Builds from below, one leaf after the other in this order; what a child knows waits at its
+/// parent's split.
+BinaryTree climb_from_leaves(const Codes& codes, const std::vector<std::size_t>& order) {
+  const RadixTreeView tree{codes};
+  BinaryTree built(codes.size());
+  std::vector<std::int64_t> far_ends(codes.size(), -1);
+  for (const std::size_t leaf : order) {
+    KeyRange range = leaf_range(tree, std::int64_t(leaf));
+    built.nodes[range.slot()] = {{}, std::uint32_t(leaf), {}, 1};
+    while (!range.is_root()) {
+      std::int64_t& far_end = far_ends[std::size_t(range.parent_split())];
+      const std::int64_t mine = range.is_left_child() ? range.first : range.last;
+      const std::int64_t sibling_end = std::exchange(far_end, mine);
+      if (sibling_end < 0) break;
+      const std::uint32_t children = left_child_slot(range.parent_split());
+      range = parent_range(tree, range, sibling_end);
+      built.nodes[range.slot()] = {{}, children, {}, std::uint32_t(range.last - range.first + 1)};
+    }
+  }
+  return built;
+}
+
+TEST(KeyRange, ClimbsToTheNodesThatAreEmitted) {
+  constexpr std::uint64_t seed = 103;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random random(seed);
+  for (const int bits : {1, 3, 6, 20, 63}) {
+    for (const std::size_t size : {1, 2, 3, 7, 8, 9, 64, 1000}) {
+      const Codes codes = random_codes(size, bits, random);
+      BinaryTree expected(size);
+      std::vector<std::size_t> order(size);
+      for (std::size_t i = 0; i < size; ++i) {
+        emit_nodes({codes}, std::int64_t(i), std::uint32_t(i), expected.nodes.data());
+        order[i] = i;
+        std::swap(order[i], order[random.below(i + 1)]);
+      }
+      const BinaryTree built = climb_from_leaves(codes, order);
+      for (std::size_t slot = 0; slot < 2 * size; ++slot) {
+        ASSERT_EQ(built.nodes[slot].index, expected.nodes[slot].index) << "slot " << slot;
+        ASSERT_EQ(built.nodes[slot].count, expected.nodes[slot].count) << "slot " << slot;
       }
     }
   }

@@ -64,7 +64,7 @@ class Oracle {
 /// What the chosen children cost, all the way down.
 double cost_of_choices(const BinaryTree& tree, const Array<WideChoice>& choices, Oracle& oracle,
                        const WideCostModel& model, std::uint32_t slot) {
-  if (choices[slot].is_leaf) return oracle.as_leaf(slot);
+  if (choices[slot].decision.is_leaf) return oracle.as_leaf(slot);
   double cost = double(model.node_cost) * half_area(tree.nodes[slot].box());
   for (const std::uint32_t child : list_wide_children(tree, choices, slot)) {
     cost += cost_of_choices(tree, choices, oracle, model, child);
@@ -82,10 +82,10 @@ TEST(WideCollapse, FindsTheLeastCostOnHardMeshes) {
         const WideCostModel model{.leaf_limit = leaf_limit};
         const BinaryTree tree =
             scrambled ? test::random_tree(references, 3) : build_lbvh(references);
-        const Array<WideChoice> choices = collapse_wide(tree, model);
+        const Array<WideChoice> choices = collapse_wide(tree, references, model);
         Oracle oracle(tree, model);
         const double best = oracle.cost(kRoot, 1);
-        EXPECT_NEAR(double(choices[kRoot].cost[1]), best, 1e-5 * best);
+        EXPECT_NEAR(double(choices[kRoot].cost(1)), best, 1e-5 * best);
         EXPECT_NEAR(cost_of_choices(tree, choices, oracle, model, kRoot), best, 1e-5 * best);
       }
     }
@@ -96,7 +96,7 @@ TEST(WideCollapse, ChildrenAreAtMostEightAndPartitionTheSubtree) {
   const test::OwnedMesh mesh = test::triangle_soup(3000, 2);
   const References references = create_references(mesh.view());
   const BinaryTree tree = build_lbvh(references);
-  const Array<WideChoice> choices = collapse_wide(tree, {});
+  const Array<WideChoice> choices = collapse_wide(tree, references, {});
   std::size_t full = 0, nodes = 0;
   std::vector<std::uint32_t> stack{kRoot};
   while (!stack.empty()) {
@@ -110,7 +110,7 @@ TEST(WideCollapse, ChildrenAreAtMostEightAndPartitionTheSubtree) {
     std::uint32_t references_below = 0;
     for (const std::uint32_t child : children) {
       references_below += tree.nodes[child].count;
-      if (!choices[child].is_leaf) stack.push_back(child);
+      if (!choices[child].decision.is_leaf) stack.push_back(child);
     }
     ASSERT_EQ(references_below, tree.nodes[slot].count);
   }
@@ -121,7 +121,8 @@ TEST(WideCollapse, ARootThatWouldBeALeafIsItsOnlyChild) {
   const test::OwnedMesh mesh = test::one_triangle();
   const References references = create_references(mesh.view());
   const BinaryTree tree = build_lbvh(references);
-  const WideChildren children = list_wide_children(tree, collapse_wide(tree, {}), kRoot);
+  const WideChildren children =
+      list_wide_children(tree, collapse_wide(tree, references, {}), kRoot);
   ASSERT_EQ(children.count, 1u);
   EXPECT_EQ(children.slots[0], kRoot);
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <string>
@@ -114,6 +115,55 @@ TEST(MortonGrid, IsSoundForBoxesOfAllShapes) {
         expect_sound_grid(make_morton_grid(box), box);
       }
     }
+  }
+}
+
+/// The grid as the standard library would make it.
+MortonGrid grid_by_library(const Aabb& bounds) {
+  MortonGrid grid;
+  const Vec3 extent = bounds.extent();
+  std::stable_sort(grid.axis.begin(), grid.axis.end(),
+                   [&](int a, int b) { return extent[a] > extent[b]; });
+  const auto halvings = [&](int rank) {
+    const double longest = extent[grid.axis[0]], other = extent[grid.axis[rank]];
+    if (other == 0.0) return longest > 0.0 ? 31 : 0;
+    return std::min(std::ilogb(longest / other), 31);
+  };
+  const int behind[] = {0, halvings(1), halvings(2)};
+  for (int most = 31;; --most) {
+    int sum = 0;
+    for (int rank = 0; rank < 3; ++rank) {
+      grid.bits[rank] = std::uint8_t(std::max(most - behind[rank], 0));
+      sum += grid.bits[rank];
+    }
+    if (sum <= kMortonBits && grid.bits[2] <= 21) break;
+  }
+  for (int rank = 0; rank < 3; ++rank) {
+    const double length = 2.0 * extent[grid.axis[rank]];
+    grid.lower[rank] = 2.0 * bounds.lower[grid.axis[rank]];
+    grid.scale[rank] = length > 0.0 ? std::ldexp(1.0, grid.bits[rank]) / length : 0.0;
+  }
+  return grid;
+}
+
+TEST(MortonGrid, IsWhatTheStandardLibraryMakes) {
+  constexpr std::uint64_t seed = 43;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random random(seed);
+  const auto any_extent = [&] {
+    if (random.below(6) == 0) return 0.0f;
+    const int exponent = random.below(2) == 0 ? 0 : int(random.below(149));
+    return std::ldexp(random.uniform(0.5f, 1.0f), -exponent);
+  };
+  for (int i = 0; i < 100'000; ++i) {
+    const Vec3 extent{any_extent(), any_extent(), any_extent()};
+    const Vec3 lower = random.below(2) == 0 ? Vec3{0, 0, 0} : random.point(-1.0f, 1.0f);
+    const Aabb box{lower, lower + extent};
+    const MortonGrid grid = make_morton_grid(box), expected = grid_by_library(box);
+    ASSERT_EQ(grid.axis, expected.axis) << "box " << i;
+    ASSERT_EQ(grid.bits, expected.bits) << "box " << i;
+    ASSERT_EQ(grid.lower, expected.lower) << "box " << i;
+    ASSERT_EQ(grid.scale, expected.scale) << "box " << i;
   }
 }
 

@@ -19,6 +19,8 @@ RECIPES = [
     "lbvh > bvh2(leaf=64)",
     "lbvh > bvh8(leaf=1)",
     "sweep > treelet > bvh8(leaf=16)",
+    "presplit(budget=100) > lbvh > treelet > bvh8",
+    "presplit > sweep > bvh2",
 ]
 RAYS = 600
 TRIANGLES = dict(zip(scenes.names(), (1000, 1500, 2000, 2500, 3000, 3500, 4000, 5000), strict=True))

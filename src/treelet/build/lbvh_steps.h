@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include <treelet/core/bits.h>
 #include <treelet/core/platform.h>
 #include <treelet/tree/binary_tree.h>
 
@@ -34,8 +35,8 @@ struct RadixTreeView {
   TREELET_HD int common_prefix(std::int64_t i, std::int64_t j) const {
     if (j < 0 || j >= size()) return -1;
     const std::uint64_t difference = codes[std::size_t(i)] ^ codes[std::size_t(j)];
-    if (difference != 0) return std::countl_zero(difference);
-    return 64 + std::countl_zero(std::uint64_t(i) ^ std::uint64_t(j));
+    if (difference != 0) return count_leading_zeros(difference);
+    return 64 + count_leading_zeros(std::uint64_t(i) ^ std::uint64_t(j));
   }
 
   /// Whether node i begins at i; else it ends there.
@@ -71,6 +72,41 @@ struct RadixTreeView {
 
 TREELET_HD constexpr std::uint32_t left_child_slot(std::int64_t split) {
   return std::uint32_t(2 * (split + 1));
+}
+
+/// Keys [first, last] of a node that is built from below, and how many bits the keys before and
+/// after share with them, -1 where there is none.
+struct KeyRange {
+  std::int64_t first, last;
+  int before, after;
+
+  TREELET_HD bool is_root() const { return before < 0 && after < 0; }
+
+  /// A node is extended to where its keys share more [Apetrei2014 s3]. One side always shares more:
+  /// the bit after the shared ones rises from 0 to 1 at both ends, and if it were the same bit, it
+  /// would be 1 in the first key and 0 in the last.
+  TREELET_HD bool is_left_child() const { return after > before; }
+  /// The last key of the left one of this node and its sibling.
+  TREELET_HD std::int64_t parent_split() const { return is_left_child() ? last : first - 1; }
+
+  TREELET_HD std::uint32_t slot() const {
+    if (is_root()) return kRoot;
+    return is_left_child() ? left_child_slot(last) : std::uint32_t(2 * first + 1);
+  }
+};
+
+TREELET_HD inline KeyRange leaf_range(const RadixTreeView& tree, std::int64_t i) {
+  return {i, i, tree.common_prefix(i, i - 1), tree.common_prefix(i, i + 1)};
+}
+
+/// The parent's range, which ends with the sibling's on the side that the child does not know.
+TREELET_HD inline KeyRange parent_range(const RadixTreeView& tree, const KeyRange& child,
+                                        std::int64_t sibling_end) {
+  if (child.is_left_child()) {
+    return {child.first, sibling_end, child.before,
+            tree.common_prefix(sibling_end, sibling_end + 1)};
+  }
+  return {sibling_end, child.last, tree.common_prefix(sibling_end, sibling_end - 1), child.after};
 }
 
 /// Writes leaf i and, but for the last index, internal node i. Boxes are left to refit.

@@ -12,9 +12,20 @@
 #endif
 
 /// For what kernels of several instruction sets call (core/lanes.inl): leaves no copy to the
-/// linker.
-#if defined(__GNUC__)
+/// linker. Device kernels may call it too.
+#if defined(__CUDACC__)
+#define TREELET_INLINE __host__ __device__ __forceinline__
+#elif defined(__GNUC__)
 #define TREELET_INLINE inline __attribute__((always_inline))
 #else
 #define TREELET_INLINE inline
+#endif
+
+/// For what is seldom called and would cost its caller registers.
+#if defined(__CUDACC__)
+#define TREELET_NOINLINE __noinline__
+#elif defined(__GNUC__)
+#define TREELET_NOINLINE __attribute__((noinline))
+#else
+#define TREELET_NOINLINE
 #endif

@@ -5,6 +5,7 @@
 
 #include <treelet/core/aabb.h>
 #include <treelet/core/array.h>
+#include <treelet/core/platform.h>
 #include <treelet/mesh/mesh.h>
 
 namespace treelet {
@@ -15,9 +16,9 @@ struct alignas(64) Bvh2Node {
   std::array<std::uint32_t, 2> index;  ///< internal child: its node; leaf: its first triangle
   std::array<std::uint32_t, 2> count;  ///< triangles of a leaf; 0 for an internal child
 
-  bool is_leaf(int child) const { return count[child] > 0; }
+  TREELET_HD bool is_leaf(int child) const { return count[child] > 0; }
   /// The place beside a tree's only leaf: no child, for the root is nobody's.
-  bool is_none(int child) const { return count[child] == 0 && index[child] == 0; }
+  TREELET_HD bool is_none(int child) const { return count[child] == 0 && index[child] == 0; }
 };
 static_assert(sizeof(Bvh2Node) == 64);
 
@@ -26,7 +27,7 @@ struct PackedTriangle {
   Vec3 p0, p1, p2;
   std::uint32_t face;
 
-  Triangle triangle() const { return {p0, p1, p2}; }
+  TREELET_HD Triangle triangle() const { return {p0, p1, p2}; }
 };
 static_assert(sizeof(PackedTriangle) == 40);
 

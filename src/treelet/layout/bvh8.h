@@ -19,7 +19,7 @@ struct alignas(32) TriangleBlock {
   float vertex[3][3][kTriangles];  ///< by corner, then axis
   std::uint32_t face[kTriangles];
 
-  Triangle triangle(std::uint32_t lane) const {
+  TREELET_HD Triangle triangle(std::uint32_t lane) const {
     const auto corner = [&](int i) {
       return Vec3{vertex[i][0][lane], vertex[i][1][lane], vertex[i][2][lane]};
     };
@@ -37,8 +37,8 @@ struct WideChild {
 
   std::uint32_t bits;
 
-  static constexpr WideChild node(std::uint32_t index) { return {index}; }
-  static constexpr WideChild leaf(std::uint32_t block, std::uint32_t blocks) {
+  TREELET_HD static constexpr WideChild node(std::uint32_t index) { return {index}; }
+  TREELET_HD static constexpr WideChild leaf(std::uint32_t block, std::uint32_t blocks) {
     return {kLeafBit | (blocks - 1) << 29 | block};
   }
   TREELET_INLINE constexpr bool is_leaf() const { return (bits & kLeafBit) != 0; }
@@ -57,10 +57,10 @@ struct alignas(64) Bvh8Node {
   WideChild child[kChildren];
   std::uint32_t reserved[8];  ///< zero: fills the fourth cache line
 
-  Aabb box(int i) const {
+  TREELET_HD Aabb box(int i) const {
     return {{planes[0][i], planes[1][i], planes[2][i]}, {planes[3][i], planes[4][i], planes[5][i]}};
   }
-  void set_box(int i, const Aabb& box) {
+  TREELET_HD void set_box(int i, const Aabb& box) {
     for (int axis = 0; axis < 3; ++axis) {
       planes[axis][i] = box.lower[axis];
       planes[axis + 3][i] = box.upper[axis];

@@ -4,7 +4,10 @@
 
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
+#include <treelet/layout/face_counts.h>
+#include <treelet/layout/leaf_collapse_steps.h>
 #include <treelet/tree/bottom_up.h>
+#include <treelet/tree/refit.h>
 
 namespace treelet {
 namespace {
@@ -15,7 +18,7 @@ constexpr std::size_t kGrain = 1 << 14;
 class CollapseStep {
  public:
   CollapseStep(const BinaryTree& tree, const References& references, const SahModel& sah)
-      : tree_(tree), references_(references), sah_(sah), costs_(tree.nodes.size()) {
+      : tree_(tree), sah_(sah), faces_(tree, references), costs_(tree.nodes.size()) {
     const std::size_t slots = tree.nodes.size();
     collapse_ = {Array<std::uint8_t>(slots), Array<std::uint32_t>(slots),
                  Array<std::uint32_t>(slots)};
@@ -29,12 +32,11 @@ class CollapseStep {
   void decide(std::uint32_t slot) {
     const BinaryNode& node = tree_.nodes[slot];
     const std::uint32_t left = node.left(), right = node.right();
-    const float area = half_area(node.box());
-    const float internal = sah_.internal_cost(area, costs_[left] + costs_[right]);
-    const std::uint32_t triangles = distinct_triangles(slot);
-    const float leaf = sah_.leaf_cost(area, triangles);
-    costs_[slot] = min(internal, leaf);
-    if (leaf <= internal) {
+    const std::uint32_t triangles = faces_[slot];
+    const LeafDecision decision =
+        decide_leaf(half_area(node.box()), costs_[left] + costs_[right], triangles, sah_);
+    costs_[slot] = decision.cost;
+    if (decision.is_leaf) {
       set(slot, true, 0, triangles);
     } else {
       set(slot, false, 1 + collapse_.node_count[left] + collapse_.node_count[right],
@@ -42,7 +44,15 @@ class CollapseStep {
     }
   }
 
+  void run() {
+    parallel_for(tree_.nodes.size(), kGrain, [&](std::size_t slot) {
+      if (tree_.nodes[slot].is_leaf()) start_leaf(slot);
+    });
+    visit_bottom_up(tree_, kAllInternal, [&](std::uint32_t slot) { decide(slot); });
+  }
+
   LeafCollapse take() { return std::move(collapse_); }
+  double root_cost() const { return costs_[kRoot]; }
 
  private:
   void set(std::size_t slot, bool is_leaf, std::uint32_t nodes, std::uint32_t triangles) {
@@ -51,15 +61,9 @@ class CollapseStep {
     collapse_.triangle_count[slot] = triangles;
   }
 
-  std::uint32_t distinct_triangles(std::uint32_t slot) const {
-    const std::uint32_t count = tree_.nodes[slot].count;
-    if (count > sah_.leaf_limit || !references_.may_repeat_faces) return count;
-    return std::uint32_t(LeafFaces(tree_, references_).collect(slot).size());
-  }
-
   const BinaryTree& tree_;
-  const References& references_;
   const SahModel& sah_;
+  const FaceCounts faces_;
   Array<float> costs_;
   LeafCollapse collapse_;
 };
@@ -70,11 +74,18 @@ LeafCollapse collapse_leaves(const BinaryTree& tree, const References& reference
                              const SahModel& sah) {
   const Stage stage{"collapse leaves"};
   CollapseStep step(tree, references, sah);
-  parallel_for(tree.nodes.size(), kGrain, [&](std::size_t slot) {
-    if (tree.nodes[slot].is_leaf()) step.start_leaf(slot);
-  });
-  visit_bottom_up(tree, kAllInternal, [&](std::uint32_t slot) { step.decide(slot); });
+  step.run();
   return step.take();
+}
+
+double collapsed_sah_cost(const BinaryTree& tree, const References& references,
+                          const SahModel& sah) {
+  if (!references.may_repeat_faces || tree.empty()) return sah_cost(tree, sah);
+  const double root_area = half_area(tree.nodes[kRoot].box());
+  if (!(root_area > 0.0)) return 0.0;
+  CollapseStep step(tree, references, sah);
+  step.run();
+  return step.root_cost() / root_area;
 }
 
 std::span<const std::uint32_t> LeafFaces::collect(std::uint32_t root) {

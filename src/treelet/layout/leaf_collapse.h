@@ -23,6 +23,11 @@ struct LeafCollapse {
 LeafCollapse collapse_leaves(const BinaryTree& tree, const References& references,
                              const SahModel& sah);
 
+/// Cost of a random ray through the tree with these leaves: sah_cost, but that the pieces of a face
+/// in one leaf count as one triangle.
+double collapsed_sah_cost(const BinaryTree& tree, const References& references,
+                          const SahModel& sah);
+
 /// Faces of a subtree, left to right, each once.
 class LeafFaces {
  public:

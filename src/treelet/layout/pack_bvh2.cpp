@@ -5,6 +5,7 @@
 
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
+#include <treelet/layout/leaf_box.h>
 #include <treelet/layout/leaf_collapse.h>
 #include <treelet/tree/bottom_up.h>
 
@@ -23,7 +24,11 @@ class Bvh2Packer {
  public:
   Bvh2Packer(const BinaryTree& tree, const References& references, const Mesh& mesh,
              const LeafCollapse& collapse)
-      : tree_(tree), references_(references), mesh_(mesh), collapse_(collapse) {}
+      : tree_(tree),
+        references_(references),
+        mesh_(mesh),
+        collapse_(collapse),
+        leaf_boxes_(tree, references, mesh) {}
 
   Bvh2 pack() {
     if (tree_.empty()) return std::move(bvh_);
@@ -42,8 +47,7 @@ class Bvh2Packer {
   void pack_single_leaf() {
     LeafFaces faces(tree_, references_);
     bvh_.nodes[0] = {{Aabb::empty(), Aabb::empty()}, {0, 0}, {collapse_.triangle_count[kRoot], 0}};
-    write_triangles(faces.collect(kRoot), 0);
-    bvh_.nodes[0].box[0] = leaf_box(0, collapse_.triangle_count[kRoot]);
+    bvh_.nodes[0].box[0] = write_leaf(kRoot, 0, faces);
     bvh_.depth = 1;
   }
 
@@ -99,7 +103,7 @@ class Bvh2Packer {
       if (collapse_.is_leaf[child[i].slot]) {
         node.index[i] = child[i].triangle;
         node.count[i] = collapse_.triangle_count[child[i].slot];
-        write_triangles(faces.collect(child[i].slot), child[i].triangle);
+        node.box[i] = write_leaf(child[i].slot, child[i].triangle, faces);
       } else {
         node.index[i] = child[i].node;
         node.count[i] = 0;
@@ -108,30 +112,22 @@ class Bvh2Packer {
     }
   }
 
-  void write_triangles(std::span<const std::uint32_t> faces, std::uint32_t first) {
+  Aabb write_leaf(std::uint32_t slot, std::uint32_t first, LeafFaces& leaf_faces) {
+    const std::span<const std::uint32_t> faces = leaf_faces.collect(slot);
     for (const std::uint32_t face : faces) {
       const Triangle triangle = mesh_.triangle(face);
       bvh_.triangles[first++] = {triangle.p0, triangle.p1, triangle.p2, face};
     }
+    return leaf_boxes_.box_of(slot, faces);
   }
 
-  Aabb leaf_box(std::uint32_t first, std::uint32_t count) const {
-    Aabb box = Aabb::empty();
-    for (std::uint32_t i = first; i < first + count; ++i) {
-      box = merge(box, bounds(bvh_.triangles[i].triangle()));
-    }
-    return box;
-  }
-
+  /// Takes the boxes of internal children from below.
   void fit(std::uint32_t index) {
     Bvh2Node& node = bvh_.nodes[index];
     for (const int child : {0, 1}) {
-      if (node.is_leaf(child)) {
-        node.box[child] = leaf_box(node.index[child], node.count[child]);
-      } else {
-        const Bvh2Node& below = bvh_.nodes[node.index[child]];
-        node.box[child] = merge(below.box[0], below.box[1]);
-      }
+      if (node.is_leaf(child)) continue;
+      const Bvh2Node& below = bvh_.nodes[node.index[child]];
+      node.box[child] = merge(below.box[0], below.box[1]);
     }
   }
 
@@ -139,6 +135,7 @@ class Bvh2Packer {
   const References& references_;
   const Mesh& mesh_;
   const LeafCollapse& collapse_;
+  const LeafBoxes leaf_boxes_;
   Bvh2 bvh_;
 };
 

@@ -8,17 +8,15 @@
 
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
+#include <treelet/layout/leaf_box.h>
 #include <treelet/layout/leaf_collapse.h>
+#include <treelet/layout/wide_collapse_steps.h>
 #include <treelet/tree/bottom_up.h>
 
 namespace treelet {
 namespace {
 
 constexpr std::uint32_t kBlock = TriangleBlock::kTriangles;
-
-std::uint32_t blocks_for(std::size_t triangles) {
-  return std::uint32_t((triangles + kBlock - 1) / kBlock);
-}
 
 /// What a subtree takes in the layout, or where it begins.
 struct Extent {
@@ -36,14 +34,21 @@ struct Part {
   std::vector<WideChildren> nodes{};  // in the order of the layout
 };
 
+/// How a parent refers to what was written. A node's box is found later, from below.
+struct Written {
+  WideChild child;
+  Aabb leaf_box = Aabb::empty();
+};
+
 /// What one thread needs to read the tree with.
 struct Source {
   const BinaryTree& tree;
   const References& references;
   const Mesh& mesh;
   const Array<WideChoice>& choices;
+  const LeafBoxes& leaf_boxes;
 
-  bool is_leaf(std::uint32_t slot) const { return choices[slot].is_leaf; }
+  bool is_leaf(std::uint32_t slot) const { return choices[slot].decision.is_leaf; }
   WideChildren children(std::uint32_t slot) const {
     return list_wide_children(tree, choices, slot);
   }
@@ -125,30 +130,30 @@ class PartWriter {
         faces_(source.tree, source.references),
         next_(part.start) {}
 
-  /// Returns how a parent refers to the part.
-  WideChild write() {
+  Written write() {
     if (part_.nodes.empty()) return write_leaf(part_.slot);
     std::vector<Item> stack;
     write_node(stack);
-    if (part_.is_top) return WideChild::node(part_.start.nodes);
-    while (!stack.empty()) {
+    while (!part_.is_top && !stack.empty()) {
       const Item item = stack.back();
       stack.pop_back();
-      WideChild& child = bvh_.nodes[item.parent].child[item.child];
-      if (source_.is_leaf(item.slot)) {
-        child = write_leaf(item.slot);
-      } else {
-        child = WideChild::node(next_.nodes);
-        write_node(stack);
-      }
+      const bool is_leaf = source_.is_leaf(item.slot);
+      attach(is_leaf ? write_leaf(item.slot) : Written{WideChild::node(next_.nodes)},
+             bvh_.nodes[item.parent], item.child);
+      if (!is_leaf) write_node(stack);
     }
-    return WideChild::node(part_.start.nodes);
+    return {WideChild::node(part_.start.nodes)};
+  }
+
+  static void attach(const Written& written, Bvh8Node& parent, int child) {
+    parent.child[child] = written.child;
+    parent.set_box(child, written.leaf_box);
   }
 
  private:
   struct Item {
     std::uint32_t slot, parent;
-    std::size_t child;
+    int child;
   };
 
   /// The next node in depth-first order.
@@ -158,17 +163,19 @@ class PartWriter {
     node = {};
     for (int i = 0; i < Bvh8Node::kChildren; ++i) node.set_box(i, Aabb::empty());
     const WideChildren& children = part_.nodes[index - part_.start.nodes];
-    for (std::size_t i = children.count; i-- > 0;) stack.push_back({children.slots[i], index, i});
+    for (std::size_t i = children.count; i-- > 0;) {
+      stack.push_back({children.slots[i], index, int(i)});
+    }
   }
 
-  WideChild write_leaf(std::uint32_t slot) {
+  Written write_leaf(std::uint32_t slot) {
     const std::span<const std::uint32_t> faces = faces_.collect(slot);
     const std::uint32_t first = next_.blocks;
     for (std::size_t begin = 0; begin < faces.size(); begin += kBlock) {
       const std::size_t count = std::min<std::size_t>(kBlock, faces.size() - begin);
       write_block(bvh_.blocks[next_.blocks++], source_.mesh, faces.subspan(begin, count));
     }
-    return WideChild::leaf(first, next_.blocks - first);
+    return {WideChild::leaf(first, next_.blocks - first), source_.leaf_boxes.box_of(slot, faces)};
   }
 
   const Source& source_;
@@ -178,30 +185,19 @@ class PartWriter {
   Extent next_;
 };
 
-Aabb leaf_box(const Bvh8& bvh, WideChild leaf) {
-  Aabb box = Aabb::empty();
-  for (std::uint32_t i = 0; i < leaf.block_count(); ++i) {
-    const TriangleBlock& block = bvh.blocks[leaf.first_block() + i];
-    for (std::uint32_t lane = 0; lane < kBlock; ++lane) {
-      box = merge(box, bounds(block.triangle(lane)));  // unused lanes repeat the first
-    }
-  }
-  return box;
-}
-
 Aabb node_box(const Bvh8Node& node) {
   Aabb box = Aabb::empty();
   for (int i = 0; i < Bvh8Node::kChildren; ++i) box = merge(box, node.box(i));
   return box;
 }
 
-/// Takes boxes from below; children lie behind their parents.
+/// Takes the boxes of nodes from below; children lie behind their parents.
 void fit(Bvh8& bvh, std::uint32_t begin, std::uint32_t end) {
   for (std::uint32_t index = end; index-- > begin;) {
     Bvh8Node& node = bvh.nodes[index];
     for (int i = 0; i < Bvh8Node::kChildren && !node.child[i].is_none(); ++i) {
       const WideChild child = node.child[i];
-      node.set_box(i, child.is_leaf() ? leaf_box(bvh, child) : node_box(bvh.nodes[child.node()]));
+      if (!child.is_leaf()) node.set_box(i, node_box(bvh.nodes[child.node()]));
     }
   }
 }
@@ -235,7 +231,7 @@ Bvh8 allocate(std::vector<Part>& parts) {
 Bvh8 pack_parts(const Source& source, std::vector<Part>& parts) {
   parallel_for(parts.size(), 1, [&](std::size_t i) { plan(source, parts[i]); });
   Bvh8 bvh = allocate(parts);
-  std::vector<WideChild> written(parts.size());
+  std::vector<Written> written(parts.size());
   parallel_for(parts.size(), 1, [&](std::size_t i) {
     written[i] = PartWriter(source, parts[i], bvh).write();
     const Extent &start = parts[i].start, &size = parts[i].size;
@@ -244,7 +240,8 @@ Bvh8 pack_parts(const Source& source, std::vector<Part>& parts) {
   for (std::size_t i = parts.size(); i-- > 0;) {
     const Part& part = parts[i];
     if (part.is_top) fit(bvh, part.start.nodes, part.start.nodes + 1);
-    if (i > 0) bvh.nodes[parts[part.parent].start.nodes].child[part.child] = written[i];
+    if (i == 0) continue;
+    PartWriter::attach(written[i], bvh.nodes[parts[part.parent].start.nodes], part.child);
   }
   bvh.bounds = node_box(bvh.nodes[0]);
   return bvh;
@@ -260,9 +257,10 @@ Bvh8 pack_bvh8(const BinaryTree& tree, const References& references, const Mesh&
                                 " triangles, not " + std::to_string(model.leaf_limit));
   }
   if (tree.empty()) return {};
-  const Array<WideChoice> choices = collapse_wide(tree, model);
+  const Array<WideChoice> choices = collapse_wide(tree, references, model);
   const Stage stage{"pack bvh8"};
-  const Source source{tree, references, mesh, choices};
+  const LeafBoxes leaf_boxes(tree, references, mesh);
+  const Source source{tree, references, mesh, choices, leaf_boxes};
   std::vector<Part> parts = cut_into_parts(source);
   return pack_parts(source, parts);
 }

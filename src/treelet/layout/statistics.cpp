@@ -1,6 +1,8 @@
 #include <treelet/layout/statistics.h>
 
-#include <treelet/layout/child_view.h>
+#include <algorithm>
+
+#include <treelet/layout/statistics_steps.h>
 
 namespace treelet {
 namespace {
@@ -14,38 +16,33 @@ void count_leaf(TreeStatistics& statistics, std::uint32_t triangles) {
   ++statistics.leaf_histogram[triangles];
 }
 
-template <class Layout>
-bool is_single_leaf(const Layout& bvh) {
-  return bvh.nodes.size() == 1 && child_of(bvh, 0, 1).box.is_empty();
-}
-
-template <class Layout>
-TreeStatistics compute(const Layout& bvh, const SahModel& sah) {
+template <class Node, class Item>
+TreeStatistics compute(const Array<Node>& nodes, const Array<Item>& items, const SahModel& sah) {
   TreeStatistics statistics;
-  statistics.nodes = bvh.nodes.size();
-  statistics.bytes = bvh.bytes();
-  statistics.depth = bvh.depth;
+  statistics.nodes = nodes.size();
+  statistics.bytes = nodes.bytes() + items.bytes();
   double cost = 0.0;
-  for (std::uint32_t node = 0; node < bvh.nodes.size(); ++node) {
-    for (int i = 0; i < children_per_node(bvh); ++i) {
-      const ChildView child = child_of(bvh, node, i);
-      if (child.is_leaf) count_leaf(statistics, count_triangles(bvh, child));
-      cost += own_weight(bvh, child, sah) * half_area_double(child.box);
-    }
+  for (std::size_t begin = 0; begin < nodes.size(); begin += kStatisticsGrain) {
+    const std::size_t end = std::min(begin + kStatisticsGrain, nodes.size());
+    cost +=
+        sum_child_costs(nodes.data(), items.data(), std::uint32_t(begin), std::uint32_t(end), sah,
+                        [&](std::uint32_t triangles) { count_leaf(statistics, triangles); });
   }
-  const double root_area = half_area_double(bvh.bounds);
-  if (!is_single_leaf(bvh)) cost += sah.traversal_cost * root_area;  // no parent holds the root
-  statistics.sah = root_area > 0.0 ? cost / root_area : 0.0;
+  if (!nodes.empty()) statistics.sah = relative_cost(cost, nodes[0], sah);
   return statistics;
 }
 
 }  // namespace
 
 TreeStatistics compute_statistics(const Bvh2& bvh, const SahModel& sah) {
-  return compute(bvh, sah);
+  TreeStatistics statistics = compute(bvh.nodes, bvh.triangles, sah);
+  statistics.depth = bvh.depth;
+  return statistics;
 }
 TreeStatistics compute_statistics(const Bvh8& bvh, const SahModel& sah) {
-  return compute(bvh, sah);
+  TreeStatistics statistics = compute(bvh.nodes, bvh.blocks, sah);
+  statistics.depth = bvh.depth;
+  return statistics;
 }
 
 }  // namespace treelet

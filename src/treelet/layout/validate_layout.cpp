@@ -1,6 +1,8 @@
 #include <treelet/layout/validate_layout.h>
 
 #include <treelet/layout/child_view.h>
+#include <treelet/layout/cover.h>
+#include <treelet/layout/face_positions.h>
 #include <treelet/tree/violations.h>
 
 namespace treelet {
@@ -15,7 +17,12 @@ template <class Layout>
 class TreeValidator {
  public:
   TreeValidator(const Layout& bvh, Violations& violations)
-      : bvh_(bvh), violations_(violations), triangle_seen_(position_count(bvh), false) {}
+      : bvh_(bvh),
+        violations_(violations),
+        faces_(bvh),
+        triangle_seen_(position_count(bvh), false) {
+    find_pieces();
+  }
 
   void run() {
     if (!bvh_.nodes.empty()) walk();
@@ -23,6 +30,7 @@ class TreeValidator {
       violations_.add(std::to_string(bvh_.nodes.size() - nodes_seen_) + " nodes are unreachable");
     }
     check_all_triangles_seen();
+    check_pieces_cover();
   }
 
  private:
@@ -68,14 +76,51 @@ class TreeValidator {
     if (leaf.end > triangle_seen_.size()) {
       return violations_.add(leaf_name + " has triangles that do not exist");
     }
+    Aabb whole = Aabb::empty();
+    bool has_pieces = false;
     for (std::size_t i = leaf.begin; i < leaf.end; ++i) {
-      if (!leaf.box.contains(bounds(triangle_at(bvh_, i)))) {
+      const Aabb box = bounds(triangle_at(bvh_, i));
+      whole = merge(whole, box);
+      if (is_piece(i)) {
+        has_pieces = true;
+        leaf_boxes_[i] = leaf.box;
+      } else if (has_triangle(bvh_, i) && !leaf.box.contains(box)) {
         violations_.add(leaf_name + " does not contain its triangle " + std::to_string(i));
       }
       if (triangle_seen_[i]) {
         violations_.add("triangle " + std::to_string(i) + " is in two leaves");
       }
       triangle_seen_[i] = true;
+    }
+    if (has_pieces && !whole.contains(leaf.box)) {
+      violations_.add(leaf_name + " is larger than its triangles");
+    }
+  }
+
+  bool is_piece(std::size_t position) const { return !leaf_boxes_.empty() && is_piece_[position]; }
+
+  /// A face at several positions was split; the unsplit tree gets no table of pieces.
+  void find_pieces() {
+    if (faces_.entry_count() == faces_.face_count()) return;
+    is_piece_.resize(position_count(bvh_), false);
+    leaf_boxes_.resize(position_count(bvh_), Aabb::empty());
+    for (std::size_t rank = 0; rank < faces_.face_count(); ++rank) {
+      const auto positions = faces_.of_rank(rank);
+      for (const SortEntry& entry : positions) is_piece_[entry.value] = positions.size() > 1;
+    }
+  }
+
+  void check_pieces_cover() {
+    std::vector<Aabb> boxes;
+    for (std::size_t rank = 0; rank < faces_.face_count() && !leaf_boxes_.empty(); ++rank) {
+      const auto positions = faces_.of_rank(rank);
+      if (positions.size() == 1) continue;
+      boxes.clear();
+      for (const SortEntry& entry : positions) boxes.push_back(leaf_boxes_[entry.value]);
+      if (!covers(boxes, triangle_at(bvh_, positions.front().value))) {
+        violations_.add("the leaves of face " + std::to_string(positions.front().key) +
+                        " do not cover it");
+      }
     }
   }
 
@@ -87,7 +132,10 @@ class TreeValidator {
 
   const Layout& bvh_;
   Violations& violations_;
+  const FacePositions faces_;
   std::vector<bool> triangle_seen_;
+  std::vector<bool> is_piece_;    // by position; empty where no face was split
+  std::vector<Aabb> leaf_boxes_;  // by position, of pieces
   std::size_t nodes_seen_ = 0;
 };
 

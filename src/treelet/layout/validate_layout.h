@@ -10,7 +10,7 @@ namespace treelet {
 
 /// What is wrong inside a packed tree, at most 20 sentences; empty for a sound one. Checks that
 /// nodes and triangles are reached once, in depth-first order, and that boxes contain what they
-/// hold.
+/// hold: whole triangles, or of a triangle in several leaves, together all of it.
 std::vector<std::string> validate(const Bvh2& bvh);
 std::vector<std::string> validate(const Bvh8& bvh);
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <treelet/core/array.h>
+#include <treelet/primitive/reference.h>
 #include <treelet/tree/binary_tree.h>
 
 namespace treelet {
@@ -15,29 +16,54 @@ struct WideCostModel {
   std::uint32_t leaf_limit = 8;  ///< triangles in a leaf at most
 };
 
-/// How a binary subtree is spread over the children of wide nodes.
+/// How a binary subtree is spread over the children of wide nodes, in one word.
+struct WideDecision {
+  std::uint32_t left_shares : 21;  ///< children that the left side gets of 2..8, three bits each
+  std::uint32_t stays_whole : 8;   ///< bit i: with i children at hand, one is enough
+  std::uint32_t is_leaf : 1;       ///< as one child: a leaf, else a node
+  std::uint32_t is_node : 1;       ///< becomes a node of the layout; only the device asks
+
+  /// What a single reference is: it never spreads.
+  TREELET_HD static constexpr WideDecision leaf() { return {0, 0xff, 1, 0}; }
+
+  TREELET_HD constexpr int left_share(int children) const {
+    return int(left_shares >> 3 * (children - 2) & 7);
+  }
+  TREELET_HD constexpr void set_left_share(int children, int share) {
+    left_shares = (left_shares | unsigned(share) << 3 * (children - 2)) & 0x1fffff;
+  }
+  TREELET_HD constexpr bool stays_whole_in(int children) const {
+    return (stays_whole >> children & 1) != 0;
+  }
+};
+static_assert(sizeof(WideDecision) == 4);
+
+/// A decision and what it costs.
 struct WideChoice {
   static constexpr int kWidth = 8;
 
-  std::array<float, kWidth>
-      cost;  ///< cost[i]: of the subtree in at most i children; cost[0] unused
-  std::array<std::uint8_t, kWidth + 1> left_share;  ///< children that the left side gets of i
-  bool is_leaf;                                     ///< as one child: a leaf, else a node
-  /// Bit i: with i children at hand, one is enough.
-  std::uint8_t stays_whole;
+  WideDecision decision;
+  float costs[kWidth - 1];
+
+  /// Of the subtree in at most so many children.
+  TREELET_HD constexpr float cost(int children) const { return costs[children - 1]; }
+  TREELET_HD constexpr void set_cost(int children, float cost) { costs[children - 1] = cost; }
 };
+static_assert(sizeof(WideChoice) == 32);
 
 /// The cheapest way to make eight-wide nodes of a binary tree, leaves included, by dynamic
-/// programming from the leaves up [YlitieKarrasLaine2017 s3.1]. By slot.
-Array<WideChoice> collapse_wide(const BinaryTree& tree, const WideCostModel& model);
+/// programming from the leaves up [YlitieKarrasLaine2017 s3.1]. By slot. Pieces of a face are one
+/// triangle of a leaf.
+Array<WideChoice> collapse_wide(const BinaryTree& tree, const References& references,
+                                const WideCostModel& model);
 
 /// The children of one wide node, left to right.
 struct WideChildren {
   std::array<std::uint32_t, WideChoice::kWidth> slots;
   std::size_t count = 0;
 
-  const std::uint32_t* begin() const { return slots.data(); }
-  const std::uint32_t* end() const { return slots.data() + count; }
+  TREELET_HD const std::uint32_t* begin() const { return slots.data(); }
+  TREELET_HD const std::uint32_t* end() const { return slots.data() + count; }
 };
 
 /// What becomes the children of the wide node at `slot`. Where a leaf would be cheaper than a node,

@@ -36,9 +36,15 @@ struct Mesh {
   }
 };
 
+/// Throws std::invalid_argument where there are more than kMaxFaces.
+void check_face_count(std::size_t faces);
+
 /// Throws std::invalid_argument that names the first face whose index is out of range, or when
 /// there are more than kMaxFaces faces.
 void check_indices(const Mesh& mesh);
+
+/// What check_indices throws for a face with a bad index.
+[[noreturn]] void throw_bad_index(std::size_t face, const Face& corners, std::size_t vertices);
 
 /// What the build does with a triangle.
 enum class TriangleKind {
@@ -47,7 +53,15 @@ enum class TriangleKind {
   degenerate,  ///< two vertices have equal positions: a segment that its neighbours also have
 };
 
+TREELET_HD constexpr bool is_finite(Vec3 p) {
+  return p.x - p.x == 0.0f && p.y - p.y == 0.0f && p.z - p.z == 0.0f;
+}
+
 /// Collinear triangles with three distinct vertices are regular: they may close a T-junction.
-TriangleKind classify(const Triangle& triangle);
+TREELET_HD constexpr TriangleKind classify(const Triangle& t) {
+  if (!is_finite(t.p0) || !is_finite(t.p1) || !is_finite(t.p2)) return TriangleKind::non_finite;
+  if (t.p0 == t.p1 || t.p1 == t.p2 || t.p2 == t.p0) return TriangleKind::degenerate;
+  return TriangleKind::regular;
+}
 
 }  // namespace treelet

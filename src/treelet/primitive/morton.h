@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <treelet/core/aabb.h>
+#include <treelet/primitive/power_of_two.h>
 
 namespace treelet {
 
@@ -19,8 +20,10 @@ struct MortonGrid {
 
 constexpr int kMortonBits = 63;
 
-/// For doubled centroids of boxes inside `bounds`.
-MortonGrid make_morton_grid(const Aabb& bounds);
+/// A cell coordinate must fit spread_by_2, and float centroids have no more to tell apart.
+constexpr int kMaxBitsPerAxis = 31;
+/// What spread_by_3 takes.
+constexpr int kMaxBitsOfShortestAxis = 21;
 
 /// Spreads the low 21 bits of x to every third bit.
 TREELET_HD constexpr std::uint64_t spread_by_3(std::uint64_t x) {
@@ -59,7 +62,69 @@ TREELET_HD constexpr std::uint64_t interleave(const std::array<std::uint8_t, 3>&
   return (one_axis << 2 * pairs | two_axes) << 3 * triples | all_axes;
 }
 
+namespace detail {
+
+/// Axes by falling extent; of equal ones the first stays first.
+TREELET_HD constexpr std::array<std::uint8_t, 3> order_axes(Vec3 extent) {
+  std::array<std::uint8_t, 3> axis{0, 1, 2};
+  for (const int rank : {0, 1, 0}) {
+    const std::uint8_t a = axis[rank], b = axis[rank + 1];
+    if (!(extent[b] > extent[a])) continue;
+    axis[rank] = b;
+    axis[rank + 1] = a;
+  }
+  return axis;
+}
+
+/// Halvings that make extent `a` no longer than `b`, rounded down; where b is 0, as many as there
+/// can be.
+TREELET_HD constexpr int halvings(double a, double b) {
+  if (b <= 0.0) return a > 0.0 ? kMaxBitsPerAxis : 0;
+  const int count = floor_log2(a / b);
+  return count < kMaxBitsPerAxis ? count : kMaxBitsPerAxis;
+}
+
+TREELET_HD constexpr std::array<std::uint8_t, 3> distribute_bits(double longest, double middle,
+                                                                 double shortest) {
+  const int behind_b = halvings(longest, middle);
+  const int behind_c = halvings(longest, shortest);  // not less: a quotient rounds monotonically
+  int a = kMaxBitsPerAxis, b = 0, c = 0;
+  for (;; --a) {
+    b = a > behind_b ? a - behind_b : 0;
+    c = a > behind_c ? a - behind_c : 0;
+    if (a + b + c <= kMortonBits && c <= kMaxBitsOfShortestAxis) break;
+  }
+  return {std::uint8_t(a), std::uint8_t(b), std::uint8_t(c)};
+}
+
+TREELET_HD constexpr std::uint64_t cell(const MortonGrid& grid, int rank, Vec3 centroid) {
+  const double x = (double(centroid[grid.axis[rank]]) - grid.lower[rank]) * grid.scale[rank];
+  const double last = double((std::uint64_t{1} << grid.bits[rank]) - 1);
+  return std::uint64_t(x < 0.0 ? 0.0 : last < x ? last : x);
+}
+
+}  // namespace detail
+
+/// For doubled centroids of boxes inside `bounds`.
+TREELET_HD constexpr MortonGrid make_morton_grid(const Aabb& bounds) {
+  MortonGrid grid;
+  if (bounds.is_empty()) return grid;
+  const Vec3 extent = bounds.extent();
+  grid.axis = detail::order_axes(extent);
+  const auto& axis = grid.axis;
+  grid.bits = detail::distribute_bits(extent[axis[0]], extent[axis[1]], extent[axis[2]]);
+  for (int rank = 0; rank < 3; ++rank) {
+    const double length = 2.0 * extent[axis[rank]];
+    grid.lower[rank] = 2.0 * bounds.lower[axis[rank]];
+    grid.scale[rank] = length > 0.0 ? power_of_two(grid.bits[rank]) / length : 0.0;
+  }
+  return grid;
+}
+
 /// Code of a doubled centroid.
-std::uint64_t morton_code(const MortonGrid& grid, Vec3 centroid);
+TREELET_HD constexpr std::uint64_t morton_code(const MortonGrid& grid, Vec3 centroid) {
+  return interleave(grid.bits, detail::cell(grid, 0, centroid), detail::cell(grid, 1, centroid),
+                    detail::cell(grid, 2, centroid));
+}
 
 }  // namespace treelet

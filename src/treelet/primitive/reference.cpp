@@ -5,6 +5,7 @@
 
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
+#include <treelet/primitive/reference_steps.h>
 
 namespace treelet {
 namespace {
@@ -30,34 +31,12 @@ Summary summarize(const Mesh& mesh, std::size_t begin, std::size_t end) {
   return summary;
 }
 
-/// k such that the largest extent is in [2^(k-1), 2^k); 0 for a point or nothing.
-int extent_exponent(const Aabb& box) {
-  if (box.is_empty()) return 0;
-  const double x = double(box.upper.x) - box.lower.x;
-  const double y = double(box.upper.y) - box.lower.y;
-  const double z = double(box.upper.z) - box.lower.z;
-  int exponent = 0;
-  std::frexp(std::max({x, y, z}), &exponent);
-  return exponent;
-}
-
-/// Multiplies by 2^-exponent. In double: 2^-exponent itself may be outside the range of float.
-struct PowerOfTwoScale {
-  double factor;
-
-  explicit PowerOfTwoScale(int exponent) : factor(std::ldexp(1.0, -exponent)) {}
-  float operator()(float x) const { return float(x * factor) + 0.0f; }  // -0 to +0
-  Vec3 operator()(Vec3 p) const { return {(*this)(p.x), (*this)(p.y), (*this)(p.z)}; }
-  Aabb operator()(const Aabb& box) const { return {(*this)(box.lower), (*this)(box.upper)}; }
-};
-
 void fill_range(const Mesh& mesh, std::size_t begin, std::size_t end, const PowerOfTwoScale& scale,
                 Reference* out) {
   for (std::size_t i = begin; i < end; ++i) {
     const Triangle triangle = mesh.triangle(i);
     if (classify(triangle) != TriangleKind::regular) continue;
-    const Aabb box = scale(bounds(triangle));
-    *out++ = {box.lower, std::uint32_t(i), box.upper, 0};
+    *out++ = make_reference(triangle, std::uint32_t(i), scale);
   }
 }
 

@@ -11,13 +11,13 @@
 namespace treelet {
 
 /// What a builder sees of a triangle: its box, in build space, and its face.
-struct Reference {
+struct alignas(16) Reference {
   Vec3 lower;
   std::uint32_t face;
   Vec3 upper;
-  std::uint32_t padding;  // to 32 bytes: two references a cache line
+  std::uint32_t padding;  // to 32 bytes, two references a cache line; in use while splitting
 
-  Aabb box() const { return {lower, upper}; }
+  TREELET_HD Aabb box() const { return {lower, upper}; }
 };
 static_assert(sizeof(Reference) == 32);
 

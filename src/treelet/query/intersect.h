@@ -17,7 +17,7 @@ struct HitArrays {
   std::int32_t* face;
   float *u, *v;
 
-  void set(std::size_t ray, const Hit& hit) const {
+  TREELET_HD void set(std::size_t ray, const Hit& hit) const {
     t[ray] = hit.t;
     face[ray] = hit.face;
     u[ray] = hit.u;

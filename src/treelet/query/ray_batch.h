@@ -4,6 +4,7 @@
 #include <cstring>
 #include <span>
 
+#include <treelet/core/platform.h>
 #include <treelet/core/ray.h>
 
 namespace treelet {
@@ -18,9 +19,9 @@ struct PerRay {
   PerRay(const T* data, std::size_t stride_bytes)
       : first(reinterpret_cast<const std::byte*>(data)), stride(stride_bytes) {}
 
-  T operator[](std::size_t ray) const {
+  TREELET_HD T operator[](std::size_t ray) const {
     T value;
-    std::memcpy(&value, first + ray * stride, sizeof(T));
+    memcpy(&value, first + ray * stride, sizeof(T));  // the device's own is not in std
     return value;
   }
 };

@@ -33,6 +33,8 @@ struct RayBox {
   double t_shift = 0.0;  ///< the ray's t at the slab test's origin
   double t_scale;        ///< slab t over the ray's t
 
+  /// For the device, which calls ray_box_steps::set_up next.
+  RayBox() = default;
   RayBox(const Ray& ray, const Aabb& scene);
 
   // Limits on the ray's t as limits on slab t, an ulp wider.
@@ -54,12 +56,12 @@ struct RayBox {
 struct BoxSpan {
   float enter, leave;
 
-  bool is_hit() const { return enter <= leave; }
+  TREELET_HD bool is_hit() const { return enter <= leave; }
 };
 
 /// Clips [t_min, t_max], in slab t, to the box. NaN, from coordinates near the largest float, clips
 /// nothing.
-inline BoxSpan intersect(const RayBox& ray, const Aabb& box, float t_min, float t_max) {
+TREELET_HD inline BoxSpan intersect(const RayBox& ray, const Aabb& box, float t_min, float t_max) {
   BoxSpan span{t_min, t_max};
   for (int axis = 0; axis < 3; ++axis) {
     const bool down = ray.points_down[axis];

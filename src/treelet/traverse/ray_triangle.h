@@ -29,6 +29,8 @@ struct RayShear {
   int axis[3];
   float shear_x, shear_y;
 
+  /// For the device, which calls ray_triangle_steps::set_up next.
+  RayShear() = default;
   /// The direction must be finite and not zero, the origin finite.
   explicit RayShear(const Ray& ray);
 };
@@ -53,7 +55,7 @@ bool intersect_exactly(const RayShear& ray, const Triangle& triangle, TriangleHi
 /// moves a sheared coordinate by less than 4u z + 2u m, and an edge function by less than 16u m z +
 /// 12u m^2 (to first order). The bound is twice that, plus the smallest normal float for products
 /// that underflow.
-inline bool may_intersect(const RayShear& ray, const Triangle& triangle) {
+TREELET_HD inline bool may_intersect(const RayShear& ray, const Triangle& triangle) {
   const auto [kx, ky, kz] = ray.axis;
   const Vec3 a = triangle.p0 - ray.origin, b = triangle.p1 - ray.origin,
              c = triangle.p2 - ray.origin;

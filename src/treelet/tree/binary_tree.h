@@ -13,17 +13,17 @@ namespace treelet {
 ///            root  unused   pair   pair   pair        pair p has slots p and p + 1, p even
 ///
 /// An internal node names the pair of its children, so a subtree moves by copying its root node.
-struct BinaryNode {
+struct alignas(16) BinaryNode {
   Vec3 lower;
   std::uint32_t index;  ///< internal: slot of the left child; leaf: index of its reference
   Vec3 upper;
   std::uint32_t count;  ///< references in the subtree, 1 for a leaf
 
-  bool is_leaf() const { return count == 1; }
-  std::uint32_t left() const { return index; }
-  std::uint32_t right() const { return index + 1; }
-  Aabb box() const { return {lower, upper}; }
-  void set_box(const Aabb& box) {
+  TREELET_HD bool is_leaf() const { return count == 1; }
+  TREELET_HD std::uint32_t left() const { return index; }
+  TREELET_HD std::uint32_t right() const { return index + 1; }
+  TREELET_HD Aabb box() const { return {lower, upper}; }
+  TREELET_HD void set_box(const Aabb& box) {
     lower = box.lower;
     upper = box.upper;
   }

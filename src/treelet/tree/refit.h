@@ -1,7 +1,10 @@
 #pragma once
 
+#include <treelet/primitive/device_references.h>
 #include <treelet/primitive/reference.h>
 #include <treelet/tree/binary_tree.h>
+#include <treelet/tree/device_cut.h>
+#include <treelet/tree/device_tree.h>
 #include <treelet/tree/sah.h>
 
 namespace treelet {
@@ -16,5 +19,21 @@ Array<float> compute_costs(const BinaryTree& tree, const SahModel& sah);
 /// Cost of a random ray through the whole tree: compute_costs at the root over the root's half
 /// area, and 0 where that area is 0.
 double sah_cost(const BinaryTree& tree, const SahModel& sah);
+
+namespace cuda {
+
+// The same in device memory, to the bit. The cut is that of the tree.
+
+void refit(const DeviceTree& tree, const DeviceCut& cut, const DeviceReferences& references,
+           Stream stream);
+
+/// Writes a cost for each slot of the tree.
+void compute_costs(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah, float* costs,
+                   Stream stream);
+
+/// Writes sah_cost from the costs by slot.
+void normalize_cost(const DeviceTree& tree, const float* costs, double* cost, Stream stream);
+
+}  // namespace cuda
 
 }  // namespace treelet

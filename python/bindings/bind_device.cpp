@@ -1,0 +1,205 @@
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <treelet/core/device_array.h>
+#include <treelet/core/device_scope.h>
+#include <treelet/mesh/narrow_faces.h>
+#include <treelet/pipeline/device_bvh.h>
+
+#include "bindings.h"
+#include "report.h"
+
+// Arrays in device memory come as addresses: the Python layer has read and checked what the array
+// says of itself (__cuda_array_interface__).
+
+namespace nb = nanobind;
+namespace cuda = treelet::cuda;
+using namespace nb::literals;
+
+namespace {
+
+using Address = std::uintptr_t;
+
+template <class T>
+T* pointer(Address address) {
+  return reinterpret_cast<T*>(address);
+}
+cuda::Stream stream_of(Address address) { return pointer<CUstream_st>(address); }
+
+/// Faces as they come: indices of 4 bytes are used in place, those of 8 copied.
+class Faces {
+ public:
+  Faces(Address address, std::size_t count, int index_bytes, cuda::Stream stream) {
+    if (index_bytes == 8) {
+      narrowed_ = cuda::narrow_faces(pointer<const std::int64_t>(address), count, stream);
+      data_ = narrowed_.data();
+    } else {
+      data_ = pointer<const treelet::Face>(address);
+    }
+  }
+  const treelet::Face* data() const { return data_; }
+
+ private:
+  cuda::DeviceArray<treelet::Face> narrowed_;
+  const treelet::Face* data_;
+};
+
+cuda::DeviceBvh build(Address vertices, std::size_t vertex_count, Address faces,
+                      std::size_t face_count, int index_bytes, const std::string& recipe,
+                      bool validate, bool updatable, Address stream) {
+  const nb::gil_scoped_release release;
+  const treelet::Recipe parsed = treelet::parse_recipe(recipe);
+  treelet::check_face_count(face_count);
+  const std::optional<cuda::DeviceScope> scope =
+      vertex_count > 0 ? std::optional<cuda::DeviceScope>(std::in_place,
+                                                          pointer<const void>(vertices), "vertices")
+                       : std::nullopt;
+  const Faces indices(faces, face_count, index_bytes, stream_of(stream));
+  const cuda::DeviceMesh mesh{pointer<const treelet::Vec3>(vertices), indices.data(),
+                              std::uint32_t(vertex_count), std::uint32_t(face_count)};
+  return cuda::DeviceBvh::build(mesh, parsed, {validate, updatable}, stream_of(stream));
+}
+
+/// What the Python layer says of some rays: (address, rows) of origins and directions, and
+/// (address, rows, value) of t_min and t_max; rows is 1 or the number of rays, address 0 means the
+/// value.
+struct RayArguments {
+  std::size_t count;
+  Address origins, directions, t_min, t_max;
+  std::size_t origin_rows, direction_rows, t_min_rows, t_max_rows;
+  float all_t_min, all_t_max;
+
+  cuda::DeviceRayBatch batch() const {
+    cuda::DeviceRayBatch rays;
+    rays.size = count;
+    rays.origins = rows<treelet::Vec3>(origins, origin_rows);
+    rays.directions = rows<treelet::Vec3>(directions, direction_rows);
+    rays.t_min = rows<float>(t_min, t_min_rows);
+    rays.t_max = rows<float>(t_max, t_max_rows);
+    rays.all_t_min = all_t_min;
+    rays.all_t_max = all_t_max;
+    return rays;
+  }
+
+ private:
+  template <class T>
+  treelet::PerRay<T> rows(Address address, std::size_t row_count) const {
+    return {pointer<const T>(address), row_count == count ? sizeof(T) : 0};
+  }
+};
+
+void intersect(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address t, Address face,
+               Address u, Address v, Address stream) {
+  const nb::gil_scoped_release release;
+  bvh.intersect(
+      rays.batch(),
+      {pointer<float>(t), pointer<std::int32_t>(face), pointer<float>(u), pointer<float>(v)},
+      stream_of(stream));
+}
+
+void occluded(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address result,
+              Address stream) {
+  const nb::gil_scoped_release release;
+  bvh.find_occluded(rays.batch(), pointer<bool>(result), stream_of(stream));
+}
+
+nb::object bounds(const cuda::DeviceBvh& bvh) {
+  const treelet::Aabb box = bvh.bounds();
+  return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
+                        nb::make_tuple(box.upper.x, box.upper.y, box.upper.z));
+}
+
+/// Device memory that Python owns.
+class Memory {
+ public:
+  Memory(std::size_t bytes, Address stream) : bytes_(bytes, stream_of(stream)) {}
+
+  Address address() { return Address(bytes_.data()); }
+  std::size_t size() const { return bytes_.size(); }
+  void copy_from_host(nb::bytes values, Address stream) {
+    require(values.size());
+    cuda::copy_to_device(bytes_.data(), values.data(), values.size(), stream_of(stream));
+    cuda::synchronize(stream_of(stream));
+  }
+  nb::bytes copy_to_host(Address stream) {
+    std::vector<char> values(bytes_.size());
+    if (!values.empty()) {
+      cuda::copy_to_host(values.data(), bytes_.data(), values.size(), stream_of(stream));
+    }
+    return nb::bytes(values.data(), values.size());
+  }
+
+ private:
+  void require(std::size_t bytes) const {
+    if (bytes != bytes_.size()) throw std::invalid_argument("as many bytes as there are, please");
+  }
+  cuda::DeviceArray<std::byte> bytes_;
+};
+
+nb::dlpack::dtype dtype_of(const std::string& name) {
+  if (name == "float32") return nb::dtype<float>();
+  if (name == "int32") return nb::dtype<std::int32_t>();
+  if (name == "uint32") return nb::dtype<std::uint32_t>();
+  return nb::dtype<bool>();
+}
+
+/// An array that only speaks DLPack, for libraries that take that and nothing else.
+nb::ndarray<nb::device::cuda> as_dlpack(nb::handle memory, const std::string& dtype,
+                                        const std::vector<std::size_t>& shape, int device) {
+  Memory& owner = nb::cast<Memory&>(memory);
+  return nb::ndarray<nb::device::cuda>(pointer<void>(owner.address()), shape.size(), shape.data(),
+                                       memory, nullptr, dtype_of(dtype), nb::device::cuda::value,
+                                       device);
+}
+
+}  // namespace
+
+void bind_device(nb::module_& module) {
+  nb::class_<RayArguments>(module, "DeviceRays")
+      .def(nb::init<std::size_t, Address, Address, Address, Address, std::size_t, std::size_t,
+                    std::size_t, std::size_t, float, float>());
+  nb::class_<Memory>(module, "DeviceMemory")
+      .def(nb::init<std::size_t, Address>(), "bytes"_a, "stream"_a)
+      .def_prop_ro("address", &Memory::address)
+      .def("__len__", &Memory::size)
+      .def("copy_from_host", &Memory::copy_from_host, "values"_a, "stream"_a)
+      .def("copy_to_host", &Memory::copy_to_host, "stream"_a);
+  nb::class_<cuda::DeviceBvh>(module, "DeviceBvh")
+      .def_prop_ro("report",
+                   [](const cuda::DeviceBvh& bvh) { return describe_report(bvh.report()); })
+      .def_prop_ro("bounds", bounds)
+      .def_prop_ro("device", &cuda::DeviceBvh::device)
+      .def("refit",
+           [](cuda::DeviceBvh& bvh, Address vertices, std::uint32_t count, Address stream) {
+             bvh.refit(pointer<const treelet::Vec3>(vertices), count, stream_of(stream));
+           })
+      .def("rebuild",
+           [](cuda::DeviceBvh& bvh, Address vertices, std::uint32_t count, Address stream) {
+             bvh.rebuild(pointer<const treelet::Vec3>(vertices), count, stream_of(stream));
+           })
+      .def("check", [](cuda::DeviceBvh& bvh, Address stream) { bvh.check(stream_of(stream)); })
+      .def("download", [](const cuda::DeviceBvh& bvh,
+                          Address stream) { return bvh.download(stream_of(stream)); })
+      .def("intersect", intersect)
+      .def("occluded", occluded)
+      .def("traversal_cost", [](const cuda::DeviceBvh& bvh, const RayArguments& rays, Address nodes,
+                                Address triangles, Address stream) {
+        bvh.count_work(rays.batch(),
+                       {pointer<std::uint32_t>(nodes), pointer<std::uint32_t>(triangles)},
+                       stream_of(stream));
+      });
+  module.def("device_build", build);
+  module.def("device_upload", [](const treelet::Bvh& bvh, Address stream) {
+    return cuda::DeviceBvh::upload(bvh, stream_of(stream));
+  });
+  module.def("device_current", &cuda::current_device);
+  module.def("device_synchronize", [](Address stream) { cuda::synchronize(stream_of(stream)); });
+  module.def("as_dlpack", as_dlpack, "memory"_a, "dtype"_a, "shape"_a, "device"_a);
+}

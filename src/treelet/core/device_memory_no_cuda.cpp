@@ -1,0 +1,22 @@
+#include <treelet/core/device_memory.h>
+
+#include <treelet/core/cuda_error.h>
+
+namespace treelet::cuda {
+namespace {
+
+[[noreturn]] void throw_no_cuda() {
+  throw CudaError("this build of treelet has no CUDA: build it with TREELET_CUDA=ON");
+}
+
+}  // namespace
+
+void* allocate_device_bytes(std::size_t, Stream) { throw_no_cuda(); }
+void free_device_bytes(void*, Stream) noexcept {}
+void copy_to_device(void*, const void*, std::size_t, Stream) { throw_no_cuda(); }
+void copy_to_host(void*, const void*, std::size_t, Stream) { throw_no_cuda(); }
+void copy_on_device(void*, const void*, std::size_t, Stream) { throw_no_cuda(); }
+void fill_device_bytes(void*, unsigned char, std::size_t, Stream) { throw_no_cuda(); }
+void synchronize(Stream) { throw_no_cuda(); }
+
+}  // namespace treelet::cuda

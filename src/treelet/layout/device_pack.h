@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+
+#include <treelet/core/carver.h>
+#include <treelet/core/stream.h>
+#include <treelet/layout/device_collapse.h>
+#include <treelet/layout/device_layout.h>
+#include <treelet/layout/device_refit_layout.h>
+#include <treelet/layout/wide_collapse.h>
+#include <treelet/primitive/device_references.h>
+#include <treelet/tree/device_cut.h>
+#include <treelet/tree/device_tree.h>
+#include <treelet/tree/sah.h>
+
+// Packing in two calls: planning finds out what the layout takes, writing fills its arrays. Who
+// wants arrays of just that size reads the planned one in between, which waits for the device; who
+// packs again and again gives arrays that are large enough. What does not fit is not written and
+// the layout is empty (LayoutSummary::overflowed).
+//
+// The bytes are those of pack_bvh2 and pack_bvh8 on the host, for trees whose references are whole
+// triangles (DeviceReferences::split is null).
+
+namespace treelet::cuda {
+
+/// 16 bytes a reference.
+struct Bvh2Scratch {
+  LeafEntry* entries = nullptr;
+  NodeLink* links = nullptr;   ///< in the place of the entries, which are read by then
+  LayoutSize* size = nullptr;  ///< what is planned
+};
+
+/// 32 bytes a reference.
+struct Bvh8Scratch {
+  WideEntry* entries = nullptr;
+  NodeLink* links = nullptr;
+  LayoutSize* size = nullptr;
+};
+
+Bvh2Scratch carve_bvh2_scratch(Carver& carver, std::uint32_t capacity);
+Bvh8Scratch carve_bvh8_scratch(Carver& carver, std::uint32_t capacity);
+
+/// Throws std::invalid_argument for leaves that the layout cannot hold: of bvh2 1 to 64 triangles,
+/// of bvh8 1 to 16.
+void plan_bvh2(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah,
+               const Bvh2Scratch& scratch, Stream stream);
+void plan_bvh8(const DeviceTree& tree, const DeviceCut& cut, const WideCostModel& model,
+               const Bvh8Scratch& scratch, Stream stream);
+
+void write_bvh2(const DeviceTree& tree, const DeviceMesh& mesh, const Bvh2Scratch& scratch,
+                const DeviceBvh2& bvh, Stream stream);
+void write_bvh8(const DeviceTree& tree, const DeviceMesh& mesh, const Bvh8Scratch& scratch,
+                const DeviceBvh8& bvh, Stream stream);
+
+}  // namespace treelet::cuda

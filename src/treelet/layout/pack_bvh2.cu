@@ -1,0 +1,96 @@
+#include <treelet/layout/device_pack.h>
+
+#include <stdexcept>
+#include <string>
+
+#include <treelet/layout/pack_layout.cuh>
+
+namespace treelet::cuda {
+namespace {
+
+/// Writes nodes without their boxes, and of each leaf its slot.
+class Bvh2Writer {
+ public:
+  __device__ Bvh2Writer(const DeviceTree& tree, const LeafEntry* entries, const DeviceBvh2& bvh)
+      : nodes_(tree.nodes), entries_(entries), bvh_(bvh) {}
+
+  __device__ void write_single_leaf() const {
+    const BinaryNode& root = nodes_[kRoot];
+    if (!root.is_leaf() && !entry(root).is_leaf) return;
+    Bvh2Node& node = bvh_.nodes[0];
+    node.box[1] = Aabb::empty();
+    node.index = {0, 0};
+    node.count = {root.count, 0};
+    face_at(bvh_.items, 0) = kRoot;
+  }
+
+  /// The node whose children are a pair of slots, where it is a node of the layout.
+  __device__ void write_node(std::uint32_t pair) const {
+    const LeafEntry placed = entries_[pair];
+    if (placed.first_triangle == LeafEntry::kNowhere) return;
+    Bvh2Node& node = bvh_.nodes[placed.first_node];
+    write_child(node, 0, 2 * pair, placed.first_triangle);
+    write_child(node, 1, 2 * pair + 1, placed.first_triangle + nodes_[2 * pair].count);
+  }
+
+ private:
+  __device__ const LeafEntry& entry(const BinaryNode& node) const {
+    return entries_[node.left() / 2];
+  }
+
+  __device__ void write_child(Bvh2Node& node, int i, std::uint32_t slot,
+                              std::uint32_t first_triangle) const {
+    const BinaryNode& child = nodes_[slot];
+    const bool is_leaf = child.is_leaf() || entry(child).is_leaf;
+    node.index[i] = is_leaf ? first_triangle : entry(child).first_node;
+    node.count[i] = is_leaf ? child.count : 0;
+    if (is_leaf) face_at(bvh_.items, first_triangle) = slot;
+  }
+
+  const BinaryNode* nodes_;
+  const LeafEntry* entries_;
+  const DeviceBvh2& bvh_;
+};
+
+/// Thread i is about pair i; pair 0 is none.
+__global__ void write_nodes_kernel(DeviceTree tree, const LeafEntry* entries, DeviceBvh2 bvh) {
+  const std::uint32_t pair = thread_index();
+  if (pair >= *tree.reference_count || bvh.summary->size.nodes == 0) return;
+  const Bvh2Writer writer(tree, entries, bvh);
+  if (pair == 0) {
+    writer.write_single_leaf();
+  } else {
+    writer.write_node(pair);
+  }
+}
+
+}  // namespace
+
+Bvh2Scratch carve_bvh2_scratch(Carver& carver, std::uint32_t capacity) {
+  Bvh2Scratch scratch;
+  scratch.size = carver.take<LayoutSize>(1);
+  const std::size_t mark = carver.used();
+  scratch.links = carve_links(carver, max_layout_nodes(capacity));
+  carver.rewind(mark);
+  scratch.entries = carver.take<LeafEntry>(capacity);
+  return scratch;
+}
+
+void plan_bvh2(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah,
+               const Bvh2Scratch& scratch, Stream stream) {
+  if (sah.leaf_limit < 1 || sah.leaf_limit > kMaxBvh2Leaf) {
+    throw std::invalid_argument("leaves of bvh2 hold 1 to " + std::to_string(kMaxBvh2Leaf) +
+                                " triangles on the device, not " + std::to_string(sah.leaf_limit));
+  }
+  collapse_leaves(tree, cut, sah, scratch.entries, scratch.size, stream);
+}
+
+void write_bvh2(const DeviceTree& tree, const DeviceMesh& mesh, const Bvh2Scratch& scratch,
+                const DeviceBvh2& bvh, Stream stream) {
+  launch(stream, Grid{1, 1}, begin_layout_kernel<DeviceBvh2>, bvh, scratch.size);
+  launch(stream, thread_each(tree.capacity, kPackThreads), write_nodes_kernel, tree,
+         scratch.entries, bvh);
+  finish_layout<kMaxBvh2Leaf>(bvh, tree, mesh, scratch.links, stream);
+}
+
+}  // namespace treelet::cuda

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+
+#include <treelet/core/stream.h>
+#include <treelet/pipeline/bvh.h>
+#include <treelet/pipeline/recipe.h>
+#include <treelet/primitive/device_references.h>
+#include <treelet/query/device_intersect.h>
+
+namespace treelet::cuda {
+
+struct DeviceBuildOptions {
+  bool validate = false;   ///< check the binary tree after every stage
+  bool updatable = false;  ///< keep what refit and rebuild need
+};
+
+/// A tree in the memory of a CUDA device: what Bvh (pipeline/bvh.h) is on the host, with the same
+/// answers, bit for bit. All arrays that a call takes lie on that device. Work is enqueued on the
+/// stream that a call names; where it has to wait for the device, it says so. Where the library was
+/// built without CUDA or there is no GPU, making one throws CudaError.
+class DeviceBvh {
+ public:
+  DeviceBvh(DeviceBvh&&) noexcept;
+  DeviceBvh& operator=(DeviceBvh&&) noexcept;
+  ~DeviceBvh();
+
+  /// Builds a tree where the mesh lies; the mesh is not needed afterwards. Throws as build() on the
+  /// host, and for recipe words that run on the CPU alone. Waits once: for the sizes of the arrays
+  /// to allocate, by when all that can be wrong with the mesh is known.
+  static DeviceBvh build(const DeviceMesh& mesh, const Recipe& recipe,
+                         const DeviceBuildOptions& options, Stream stream);
+
+  /// Moves a host's tree to the current device. Waits for the copy.
+  static DeviceBvh upload(const Bvh& bvh, Stream stream);
+  /// Moves the tree to the host. Waits for the copy.
+  Bvh download(Stream stream) const;
+
+  /// What the build did; waits for it the first time. Seconds are the device's, stage by stage.
+  const BuildReport& report() const;
+  int device() const;
+  /// Waits for what was enqueued on the stream of the last build or update.
+  Aabb bounds() const;
+
+  /// As Bvh::refit on the host, from vertices in device memory. Only for updatable trees.
+  void refit(const Vec3* vertices, std::uint32_t count, Stream stream);
+  /// Runs the recipe again over moved vertices, in the memory that the tree has. Nothing waits and
+  /// nothing is allocated, so that a CUDA graph can record it; what went wrong, check() tells. Only
+  /// for updatable trees.
+  void rebuild(const Vec3* vertices, std::uint32_t count, Stream stream);
+  /// Waits for the last rebuild and brings the report up to date. Throws CudaError where the tree
+  /// did not fit the memory it has; it then has more, and the next rebuild fits.
+  void check(Stream stream);
+
+  // One answer a ray, as on the host; outputs are in device memory.
+  void intersect(const DeviceRayBatch& rays, const HitArrays& hits, Stream stream) const;
+  void find_occluded(const DeviceRayBatch& rays, bool* occluded, Stream stream) const;
+  void count_work(const DeviceRayBatch& rays, const WorkArrays& work, Stream stream) const;
+
+ private:
+  class Impl;
+  explicit DeviceBvh(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace treelet::cuda

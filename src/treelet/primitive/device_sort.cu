@@ -1,0 +1,79 @@
+#include <treelet/primitive/device_sort.h>
+
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+
+#include <treelet/core/device_memory.h>
+#include <treelet/core/cuda_check.cuh>
+
+// CUB stands in this file alone: it takes longer to compile than all other kernels.
+
+namespace treelet::cuda {
+namespace {
+
+using Keys = cub::DoubleBuffer<std::uint64_t>;
+using Values = cub::DoubleBuffer<std::uint32_t>;
+
+constexpr int kKeyBits = 64;
+
+/// Without memory it only sets `bytes`.
+void sort_in_buffers(void* temporary, std::size_t& bytes, Keys& keys, Values& values,
+                     std::uint32_t count, Stream stream) {
+  check(cub::DeviceRadixSort::SortPairs(temporary, bytes, keys, values, count, 0, kKeyBits, stream),
+        "sort on the device");
+}
+
+/// Without memory it only sets `bytes`.
+void sum_in_memory(void* temporary, std::size_t& bytes, const std::uint32_t* values,
+                   std::uint32_t* sums, std::uint32_t count, Stream stream) {
+  check(cub::DeviceScan::ExclusiveSum(temporary, bytes, values, sums, count, stream),
+        "sum on the device");
+}
+
+}  // namespace
+
+SortScratch carve_sort_scratch(Carver& carver, std::uint32_t capacity) {
+  SortScratch scratch{};
+  Keys keys;
+  Values values;
+  sort_in_buffers(nullptr, scratch.temporary_bytes, keys, values, capacity, nullptr);
+  scratch.keys = carver.take<std::uint64_t>(capacity);
+  scratch.values = carver.take<std::uint32_t>(capacity);
+  scratch.temporary = carver.take<std::byte>(scratch.temporary_bytes);
+  return scratch;
+}
+
+/// CUB sorts to and fro between two buffers, and the device's tuning decides where it ends. On
+/// today's devices it takes eight passes and ends where it began, but for inputs that fit one
+/// block, which it sorts in one: so copying back costs nothing where it would cost. Sorting from
+/// one array to another without regard for the first would instead need 12 bytes more a pair.
+void sort_pairs(std::uint64_t* keys, std::uint32_t* values, std::uint32_t count,
+                const SortScratch& scratch, Stream stream) {
+  if (count == 0) return;
+  Keys key_buffers(keys, scratch.keys);
+  Values value_buffers(values, scratch.values);
+  std::size_t bytes = scratch.temporary_bytes;
+  sort_in_buffers(scratch.temporary, bytes, key_buffers, value_buffers, count, stream);
+  if (key_buffers.Current() != keys) {
+    copy_on_device(keys, key_buffers.Current(), count * sizeof(*keys), stream);
+  }
+  if (value_buffers.Current() != values) {
+    copy_on_device(values, value_buffers.Current(), count * sizeof(*values), stream);
+  }
+}
+
+SumScratch carve_sum_scratch(Carver& carver, std::uint32_t capacity) {
+  SumScratch scratch{};
+  sum_in_memory(nullptr, scratch.temporary_bytes, nullptr, nullptr, capacity, nullptr);
+  scratch.temporary = carver.take<std::byte>(scratch.temporary_bytes);
+  return scratch;
+}
+
+void sum_before(const std::uint32_t* values, std::uint32_t* sums, std::uint32_t count,
+                const SumScratch& scratch, Stream stream) {
+  if (count == 0) return;
+  std::size_t bytes = scratch.temporary_bytes;
+  sum_in_memory(scratch.temporary, bytes, values, sums, count, stream);
+}
+
+}  // namespace treelet::cuda

@@ -1,0 +1,133 @@
+#include <treelet/query/device_intersect.h>
+
+#include <algorithm>
+
+#include <treelet/core/device_array.h>
+#include <treelet/core/launch.cuh>
+#include <treelet/traverse/traverse_bvh2.cuh>
+#include <treelet/traverse/traverse_bvh8.cuh>
+
+namespace treelet::cuda {
+namespace {
+
+constexpr unsigned kThreads = 128;
+constexpr unsigned kBlocksPerProcessor = 6;  // leaves a thread 80 registers
+
+// What a ray's visitor leaves behind.
+struct WriteHit {
+  using Visitor = ClosestHit<>;
+  HitArrays hits;
+  __device__ void operator()(std::size_t i, const Visitor& visitor) const {
+    hits.set(i, visitor.hit);
+  }
+};
+struct WriteOccluded {
+  using Visitor = AnyHit;
+  bool* occluded;
+  __device__ void operator()(std::size_t i, const Visitor& visitor) const {
+    occluded[i] = visitor.found;
+  }
+};
+struct WriteWork {
+  using Visitor = ClosestHit<Counting>;
+  WorkArrays work;
+  __device__ void operator()(std::size_t i, const Visitor& visitor) const {
+    work.nodes[i] = visitor.work.nodes;
+    work.triangles[i] = visitor.work.triangles;
+  }
+};
+
+/// A thread's stack.
+struct Stack {
+  StackEntry* entries;
+  std::size_t size;
+};
+
+/// A tree that was rebuilt and not checked may be deeper than the host knows: then it is empty.
+template <class Layout, class Write>
+__device__ void trace(const Layout& bvh, const DeviceRayBatch& rays, std::size_t i,
+                      const Stack& stack, const Write& write) {
+  const Ray ray = rays[i];
+  typename Write::Visitor visitor(ray);
+  const bool fits = stack_entries(bvh, bvh.summary->size.depth) <= stack.size;
+  if (fits) traverse(bvh, ray, stack.entries, visitor);
+  write(i, visitor);
+}
+
+template <class Layout, class Write>
+__global__ void __launch_bounds__(kThreads, kBlocksPerProcessor)
+    trace_rays(Layout bvh, DeviceRayBatch rays, std::size_t first, Write write) {
+  const std::size_t i = first + thread_index();
+  if (i >= rays.size) return;
+  StackEntry stack[kLocalStackEntries];
+  trace(bvh, rays, i, Stack{stack, kLocalStackEntries}, write);
+}
+
+/// For trees too deep for the local stack: each thread goes through many rays with a stack of its
+/// own in global memory.
+template <class Layout, class Write>
+__global__ void __launch_bounds__(kThreads, kBlocksPerProcessor)
+    trace_rays_deep(Layout bvh, DeviceRayBatch rays, StackEntry* stacks, std::size_t entries,
+                    Write write) {
+  StackEntry* const stack = stacks + thread_index() * entries;
+  const std::size_t threads = std::size_t(gridDim.x) * blockDim.x;
+  for (std::size_t i = thread_index(); i < rays.size; i += threads) {
+    trace(bvh, rays, i, Stack{stack, entries}, write);
+  }
+}
+
+template <class Layout, class Write>
+void trace_batch_deep(const Layout& bvh, std::size_t entries, const DeviceRayBatch& rays,
+                      const Write& write, Stream stream) {
+  constexpr std::size_t kStackBytes = std::size_t{1} << 28;
+  const std::size_t threads =
+      std::clamp<std::size_t>(kStackBytes / (entries * sizeof(StackEntry)), kThreads, 1 << 16);
+  const Grid grid = thread_each(std::min(threads, rays.size), kThreads);
+  DeviceArray<StackEntry> stacks(std::size_t(grid.blocks) * grid.threads * entries, stream);
+  launch(stream, grid, trace_rays_deep<Layout, Write>, bvh, rays, stacks.data(), entries, write);
+}
+
+template <class Layout, class Write>
+void trace_batch(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays,
+                 const Write& write, Stream stream) {
+  const std::size_t entries = stack_entries(bvh, depth);
+  if (entries > kLocalStackEntries) return trace_batch_deep(bvh, entries, rays, write, stream);
+  constexpr std::size_t kRaysPerLaunch = std::size_t{1} << 30;  // thread_index() has 32 bits
+  for (std::size_t first = 0; first < rays.size; first += kRaysPerLaunch) {
+    const std::size_t count = std::min(kRaysPerLaunch, rays.size - first);
+    launch(stream, thread_each(count, kThreads), trace_rays<Layout, Write>, bvh, rays, first,
+           write);
+  }
+}
+
+}  // namespace
+
+template <class Layout>
+void intersect(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays,
+               const HitArrays& hits, Stream stream) {
+  trace_batch(bvh, depth, rays, WriteHit{hits}, stream);
+}
+
+template <class Layout>
+void find_occluded(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays, bool* occluded,
+                   Stream stream) {
+  trace_batch(bvh, depth, rays, WriteOccluded{occluded}, stream);
+}
+
+template <class Layout>
+void count_work(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays,
+                const WorkArrays& work, Stream stream) {
+  trace_batch(bvh, depth, rays, WriteWork{work}, stream);
+}
+
+#define TREELET_INSTANTIATE(Layout)                                                              \
+  template void intersect(const Layout&, std::size_t, const DeviceRayBatch&, const HitArrays&,   \
+                          Stream);                                                               \
+  template void find_occluded(const Layout&, std::size_t, const DeviceRayBatch&, bool*, Stream); \
+  template void count_work(const Layout&, std::size_t, const DeviceRayBatch&, const WorkArrays&, \
+                           Stream);
+TREELET_INSTANTIATE(DeviceBvh2)
+TREELET_INSTANTIATE(DeviceBvh8)
+#undef TREELET_INSTANTIATE
+
+}  // namespace treelet::cuda

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <treelet/core/stream.h>
+#include <treelet/layout/device_layout.h>
+#include <treelet/query/device_rays.h>
+#include <treelet/query/intersect.h>
+#include <treelet/traverse/visitors.h>
+
+namespace treelet::cuda {
+
+/// Work as two arrays in device memory.
+struct WorkArrays {
+  std::uint32_t *nodes, *triangles;
+};
+
+// The answers are the CPU's, bit for bit (query/intersect.h); outputs are in device memory. `depth`
+// is the layout's. Enqueued on the stream; nothing waits.
+
+template <class Layout>
+void intersect(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays,
+               const HitArrays& hits, Stream stream);
+template <class Layout>
+void find_occluded(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays, bool* occluded,
+                   Stream stream);
+/// What finding each ray's closest hit takes (traverse/visitors.h). Boxes are tested in another
+/// arithmetic than on the CPU, so the counts may differ from its by a few.
+template <class Layout>
+void count_work(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays,
+                const WorkArrays& work, Stream stream);
+
+}  // namespace treelet::cuda

@@ -1,0 +1,196 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <treelet/build/lbvh.h>
+#include <treelet/build/sweep.h>
+#include <treelet/core/carver.h>
+#include <treelet/core/device_array.h>
+#include <treelet/layout/device_pack.h>
+#include <treelet/layout/pack_bvh2.h>
+#include <treelet/layout/pack_bvh8.h>
+#include <treelet/optimize/treelet.h>
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cuda/device_input.h"
+#include "support/meshes.h"
+#include "support/trees.h"
+
+// What the tests of packing on the device share.
+
+namespace treelet::test {
+
+/// A tree in the numbers of host and device: there, a reference has the number of its face.
+struct NamedTree {
+  std::string name;
+  BinaryTree tree;
+};
+
+/// Trees of every kind over the references.
+inline std::vector<NamedTree> trees_over(const References& references) {
+  std::vector<NamedTree> trees;
+  const auto add = [&](const char* name, BinaryTree tree) {
+    trees.push_back({name, std::move(tree)});
+  };
+  const auto optimized = [](BinaryTree tree) {
+    restructure_treelets(tree, SahModel{}, TreeletConfig{});
+    return tree;
+  };
+  add("lbvh", build_lbvh(references));
+  add("lbvh > treelet", optimized(build_lbvh(references)));
+  add("sweep", build_sweep(references));
+  add("sweep > treelet", optimized(build_sweep(references)));
+  add("random", random_tree(references, 3));
+  add("chain", chain_tree(references));
+  return trees;
+}
+
+/// A mesh and a tree over it in device memory, cut, with room for more references than there are.
+class DevicePackInput {
+ public:
+  DevicePackInput(const OwnedMesh& mesh, const BinaryTree& tree, const References& references)
+      : capacity_(std::uint32_t(references.size() + 3)),
+        vertices_(upload_all(std::span(mesh.vertices))),
+        faces_(upload_all(std::span(mesh.faces))),
+        nodes_(2 * std::size_t(capacity_), kStream),
+        reference_count_(1, kStream) {
+    const BinaryTree numbered = numbered_by_face(tree, references);
+    const auto count = std::uint32_t(references.size());
+    cuda::fill_device_bytes(nodes_.data(), 0xcd, nodes_.bytes(), kStream);
+    if (count > 0) {
+      cuda::copy_to_device(nodes_.data(), numbered.nodes.data(), numbered.nodes.bytes(), kStream);
+    }
+    cuda::copy_to_device(reference_count_.data(), &count, sizeof count, kStream);
+    cuda::synchronize(kStream);
+    cut_ =
+        carve(cut_block_, [&](cuda::Carver& carver) { return cuda::carve_cut(carver, capacity_); });
+    cuda::cut_tree(this->tree(), cut_, kStream);
+  }
+
+  cuda::DeviceTree tree() const {
+    return {const_cast<BinaryNode*>(nodes_.data()), reference_count_.data(), capacity_};
+  }
+  cuda::DeviceMesh mesh() const {
+    return {vertices_.data(), faces_.data(), std::uint32_t(vertices_.size()),
+            std::uint32_t(faces_.size())};
+  }
+  const cuda::DeviceCut& cut() const { return cut_; }
+  std::uint32_t capacity() const { return capacity_; }
+  void move_vertices(const std::vector<Vec3>& vertices) {
+    vertices_ = upload_all(std::span(vertices));
+  }
+
+ private:
+  std::uint32_t capacity_;
+  cuda::DeviceArray<Vec3> vertices_;
+  cuda::DeviceArray<Face> faces_;
+  cuda::DeviceArray<BinaryNode> nodes_;
+  cuda::DeviceArray<std::uint32_t> reference_count_;
+  cuda::DeviceArray<std::byte> cut_block_;
+  cuda::DeviceCut cut_;
+};
+
+/// What the tests of one layout call.
+struct Bvh2Calls {
+  using Model = SahModel;
+  using Layout = cuda::DeviceBvh2;
+  using Host = Bvh2;
+  static constexpr auto carve_scratch = cuda::carve_bvh2_scratch;
+  static constexpr auto plan = cuda::plan_bvh2;
+  static constexpr auto write = cuda::write_bvh2;
+  static constexpr auto pack_on_host = treelet::pack_bvh2;
+};
+struct Bvh8Calls {
+  using Model = WideCostModel;
+  using Layout = cuda::DeviceBvh8;
+  using Host = Bvh8;
+  static constexpr auto carve_scratch = cuda::carve_bvh8_scratch;
+  static constexpr auto plan = cuda::plan_bvh8;
+  static constexpr auto write = cuda::write_bvh8;
+  static constexpr auto pack_on_host = treelet::pack_bvh8;
+};
+
+/// Packs in the two calls; the layout's arrays begin as rubbish.
+template <class Calls>
+class DevicePacker {
+ public:
+  using Layout = typename Calls::Layout;
+
+  DevicePacker(const DevicePackInput& input, const typename Calls::Model& model) : input_(input) {
+    scratch_ = carve(block_, [&](cuda::Carver& carver) {
+      return Calls::carve_scratch(carver, input.capacity());
+    });
+    Calls::plan(input.tree(), input.cut(), model, scratch_, kStream);
+  }
+
+  cuda::LayoutSize planned() const { return cuda::download(scratch_.size, 1, kStream)[0]; }
+
+  void write(std::uint32_t node_capacity, std::uint32_t item_capacity) {
+    storage_ = cuda::LayoutStorage<Layout>(node_capacity, item_capacity, kStream);
+    const Layout bvh = storage_.view();
+    fill(bvh.nodes, node_capacity);
+    fill(bvh.items, item_capacity);
+    Calls::write(input_.tree(), input_.mesh(), scratch_, bvh, kStream);
+  }
+  void write() {
+    const cuda::LayoutSize size = planned();
+    write(size.nodes, size.items);
+  }
+
+  Layout view() { return storage_.view(); }
+  typename Calls::Host download() { return cuda::download(view(), kStream); }
+  cuda::LayoutSummary summary() { return cuda::download(view().summary, 1, kStream)[0]; }
+
+ private:
+  template <class T>
+  static void fill(T* values, std::uint32_t count) {
+    if (count > 0) cuda::fill_device_bytes(values, 0xcd, count * sizeof(T), kStream);
+  }
+
+  const DevicePackInput& input_;
+  cuda::DeviceArray<std::byte> block_;
+  decltype(Calls::carve_scratch(std::declval<cuda::Carver&>(), 0)) scratch_;
+  cuda::LayoutStorage<Layout> storage_;
+};
+
+inline const Array<PackedTriangle>& items(const Bvh2& bvh) { return bvh.triangles; }
+inline const Array<TriangleBlock>& items(const Bvh8& bvh) { return bvh.blocks; }
+inline std::size_t triangle_count(const Bvh2& bvh) { return bvh.triangles.size(); }
+inline std::size_t triangle_count(const Bvh8& bvh) { return bvh.triangle_count; }
+
+/// Index of the first value whose bytes differ; the size where none does.
+template <class T>
+std::size_t first_difference(const Array<T>& a, const Array<T>& b) {
+  std::size_t i = 0;
+  while (i < a.size() && std::memcmp(&a[i], &b[i], sizeof(T)) == 0) ++i;
+  return i;
+}
+
+/// Equality of every byte; else the message says what differs first.
+template <class Host>
+testing::AssertionResult equal_bytes(const Host& a, const Host& b) {
+  if (a.nodes.size() != b.nodes.size() || items(a).size() != items(b).size()) {
+    return testing::AssertionFailure()
+           << a.nodes.size() << " nodes and " << items(a).size() << " items, expected "
+           << b.nodes.size() << " and " << items(b).size();
+  }
+  const std::size_t node = first_difference(a.nodes, b.nodes);
+  if (node < a.nodes.size()) return testing::AssertionFailure() << "node " << node << " differs";
+  const std::size_t item = first_difference(items(a), items(b));
+  if (item < items(a).size()) return testing::AssertionFailure() << "item " << item << " differs";
+  if (std::memcmp(&a.bounds, &b.bounds, sizeof(Aabb)) != 0) {
+    return testing::AssertionFailure() << "bounds differ";
+  }
+  if (a.depth != b.depth || triangle_count(a) != triangle_count(b)) {
+    return testing::AssertionFailure() << "depth or number of triangles differ";
+  }
+  return testing::AssertionSuccess();
+}
+
+}  // namespace treelet::test
