@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <treelet/core/aabb.h>
+#include <treelet/core/bits.h>
 #include <treelet/mesh/mesh.h>
 #include <treelet/primitive/morton.h>
 #include <treelet/primitive/power_of_two.h>
@@ -269,9 +270,9 @@ struct FactorSearch {
   TREELET_HD constexpr float factor() const { return std::bit_cast<float>(fits); }
 };
 
-/// What a plane leaves of a piece, which is the part of a triangle inside its box, on both sides; or
-/// nothing, if no plane splits it. Where a plane leaves one side empty, the box had room to spare:
-/// it shrinks, and the next plane is tried.
+/// What a plane leaves of a piece, which is the part of a triangle inside its box, on both sides;
+/// or nothing, if no plane splits it. Where a plane leaves one side empty, the box had room to
+/// spare: it shrinks, and the next plane is tried.
 TREELET_HD inline SplitBoxes split_box(const MortonGrid& grid, const ExactTriangle& triangle,
                                        Aabb& box) {
   for (;;) {
