@@ -1,5 +1,5 @@
 #include <cstdint>
-#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,6 +10,7 @@
 
 #include <treelet/core/device_array.h>
 #include <treelet/core/device_scope.h>
+#include <treelet/core/use_log.h>
 #include <treelet/mesh/narrow_faces.h>
 #include <treelet/pipeline/device_bvh.h>
 
@@ -32,6 +33,18 @@ T* pointer(Address address) {
   return reinterpret_cast<T*>(address);
 }
 cuda::Stream stream_of(Address address) { return pointer<CUstream_st>(address); }
+
+int device_of(Address address, const char* what) {
+  return cuda::device_of(pointer<const void>(address), what);
+}
+
+void require_device(Address address, int device, const char* what) {
+  const int actual = device_of(address, what);
+  if (actual == device) return;
+  throw std::invalid_argument(std::string(what) + " lie on device " + std::to_string(actual) +
+                              ", the rest on device " + std::to_string(device) +
+                              ": copy them there");
+}
 
 /// Faces as they come: indices of 4 bytes are used in place, those of 8 copied.
 class Faces {
@@ -57,10 +70,13 @@ cuda::DeviceBvh build(Address vertices, std::size_t vertex_count, Address faces,
   const nb::gil_scoped_release release;
   const treelet::Recipe parsed = treelet::parse_recipe(recipe);
   treelet::check_face_count(face_count);
-  const std::optional<cuda::DeviceScope> scope =
-      vertex_count > 0 ? std::optional<cuda::DeviceScope>(std::in_place,
-                                                          pointer<const void>(vertices), "vertices")
-                       : std::nullopt;
+  if (vertex_count > 0xffffffff) {
+    throw std::invalid_argument("the mesh has " + std::to_string(vertex_count) +
+                                " vertices; indices have 32 bits");
+  }
+  const cuda::DeviceScope scope(vertex_count > 0 ? device_of(vertices, "vertices")
+                                                 : cuda::current_device());
+  if (face_count > 0) require_device(faces, cuda::current_device(), "faces");
   const Faces indices(faces, face_count, index_bytes, stream_of(stream));
   const cuda::DeviceMesh mesh{pointer<const treelet::Vec3>(vertices), indices.data(),
                               std::uint32_t(vertex_count), std::uint32_t(face_count)};
@@ -76,7 +92,13 @@ struct RayArguments {
   std::size_t origin_rows, direction_rows, t_min_rows, t_max_rows;
   float all_t_min, all_t_max;
 
-  cuda::DeviceRayBatch batch() const {
+  cuda::DeviceRayBatch batch(int device) const {
+    if (count > 0) {
+      require_device(origins, device, "origins");
+      require_device(directions, device, "directions");
+      if (t_min != 0) require_device(t_min, device, "t_min");
+      if (t_max != 0) require_device(t_max, device, "t_max");
+    }
     cuda::DeviceRayBatch rays;
     rays.size = count;
     rays.origins = rows<treelet::Vec3>(origins, origin_rows);
@@ -99,7 +121,7 @@ void intersect(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address t, 
                Address u, Address v, Address stream) {
   const nb::gil_scoped_release release;
   bvh.intersect(
-      rays.batch(),
+      rays.batch(bvh.device()),
       {pointer<float>(t), pointer<std::int32_t>(face), pointer<float>(u), pointer<float>(v)},
       stream_of(stream));
 }
@@ -107,7 +129,7 @@ void intersect(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address t, 
 void occluded(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address result,
               Address stream) {
   const nb::gil_scoped_release release;
-  bvh.find_occluded(rays.batch(), pointer<bool>(result), stream_of(stream));
+  bvh.find_occluded(rays.batch(bvh.device()), pointer<bool>(result), stream_of(stream));
 }
 
 nb::object bounds(const cuda::DeviceBvh& bvh) {
@@ -119,7 +141,18 @@ nb::object bounds(const cuda::DeviceBvh& bvh) {
 /// Device memory that Python owns.
 class Memory {
  public:
-  Memory(std::size_t bytes, Address stream) : bytes_(bytes, stream_of(stream)) {}
+  Memory(std::size_t bytes, int device, Address stream) : device_(device) {
+    const cuda::DeviceScope scope(device);
+    bytes_ = cuda::DeviceArray<std::byte>(bytes, stream_of(stream));
+  }
+  Memory(const Memory&) = delete;
+  /// Nobody knows which streams use it: waits for the device, and frees on a stream that is there.
+  ~Memory() {
+    const cuda::DeviceScope scope(device_);
+    cuda::synchronize_device();
+    bytes_.free_on(cuda::own_stream());
+    bytes_ = {};
+  }
 
   Address address() { return Address(bytes_.data()); }
   std::size_t size() const { return bytes_.size(); }
@@ -140,6 +173,7 @@ class Memory {
   void require(std::size_t bytes) const {
     if (bytes != bytes_.size()) throw std::invalid_argument("as many bytes as there are, please");
   }
+  int device_;
   cuda::DeviceArray<std::byte> bytes_;
 };
 
@@ -166,7 +200,7 @@ void bind_device(nb::module_& module) {
       .def(nb::init<std::size_t, Address, Address, Address, Address, std::size_t, std::size_t,
                     std::size_t, std::size_t, float, float>());
   nb::class_<Memory>(module, "DeviceMemory")
-      .def(nb::init<std::size_t, Address>(), "bytes"_a, "stream"_a)
+      .def(nb::init<std::size_t, int, Address>(), "bytes"_a, "device"_a, "stream"_a)
       .def_prop_ro("address", &Memory::address)
       .def("__len__", &Memory::size)
       .def("copy_from_host", &Memory::copy_from_host, "values"_a, "stream"_a)
@@ -176,22 +210,32 @@ void bind_device(nb::module_& module) {
                    [](const cuda::DeviceBvh& bvh) { return describe_report(bvh.report()); })
       .def_prop_ro("bounds", bounds)
       .def_prop_ro("device", &cuda::DeviceBvh::device)
+      .def("epo", &cuda::DeviceBvh::epo, "max_triangles"_a)
       .def("refit",
            [](cuda::DeviceBvh& bvh, Address vertices, std::uint32_t count, Address stream) {
+             const nb::gil_scoped_release release;
+             if (count > 0) require_device(vertices, bvh.device(), "vertices");
              bvh.refit(pointer<const treelet::Vec3>(vertices), count, stream_of(stream));
            })
       .def("rebuild",
            [](cuda::DeviceBvh& bvh, Address vertices, std::uint32_t count, Address stream) {
+             const nb::gil_scoped_release release;
+             if (count > 0) require_device(vertices, bvh.device(), "vertices");
              bvh.rebuild(pointer<const treelet::Vec3>(vertices), count, stream_of(stream));
            })
-      .def("check", [](cuda::DeviceBvh& bvh, Address stream) { bvh.check(stream_of(stream)); })
+      .def("check",
+           [](cuda::DeviceBvh& bvh, Address stream) {
+             const nb::gil_scoped_release release;
+             bvh.check(stream_of(stream));
+           })
       .def("download", [](const cuda::DeviceBvh& bvh,
                           Address stream) { return bvh.download(stream_of(stream)); })
       .def("intersect", intersect)
       .def("occluded", occluded)
       .def("traversal_cost", [](const cuda::DeviceBvh& bvh, const RayArguments& rays, Address nodes,
                                 Address triangles, Address stream) {
-        bvh.count_work(rays.batch(),
+        const nb::gil_scoped_release release;
+        bvh.count_work(rays.batch(bvh.device()),
                        {pointer<std::uint32_t>(nodes), pointer<std::uint32_t>(triangles)},
                        stream_of(stream));
       });
@@ -200,6 +244,11 @@ void bind_device(nb::module_& module) {
     return cuda::DeviceBvh::upload(bvh, stream_of(stream));
   });
   module.def("device_current", &cuda::current_device);
-  module.def("device_synchronize", [](Address stream) { cuda::synchronize(stream_of(stream)); });
+  module.def("device_of", device_of, "address"_a, "what"_a);
+  module.def("device_release_memory", &cuda::release_device_memory);
+  module.def("device_synchronize", [](Address stream) {
+    const nb::gil_scoped_release release;
+    cuda::synchronize(stream_of(stream));
+  });
   module.def("as_dlpack", as_dlpack, "memory"_a, "dtype"_a, "shape"_a, "device"_a);
 }

@@ -4,6 +4,8 @@
 
 #include <treelet/core/aabb.h>
 #include <treelet/core/cuda_device.h>
+#include <treelet/core/cuda_error.h>
+#include <treelet/core/device_memory.h>
 #include <treelet/core/parallel.h>
 #include <treelet/core/ray.h>
 #include <treelet/core/vec.h>

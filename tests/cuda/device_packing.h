@@ -81,6 +81,9 @@ class DevicePackInput {
             std::uint32_t(faces_.size())};
   }
   const cuda::DeviceCut& cut() const { return cut_; }
+  cuda::PackInput pack_input() const {
+    return {tree(), cut_, {mesh(), nullptr, nullptr, mesh().face_count}};
+  }
   std::uint32_t capacity() const { return capacity_; }
   void move_vertices(const std::vector<Vec3>& vertices) {
     vertices_ = upload_all(std::span(vertices));
@@ -122,11 +125,14 @@ class DevicePacker {
  public:
   using Layout = typename Calls::Layout;
 
-  DevicePacker(const DevicePackInput& input, const typename Calls::Model& model) : input_(input) {
+  /// The input must stay.
+  template <class Input>
+  DevicePacker(const Input& input, const typename Calls::Model& model)
+      : input_(input.pack_input()) {
     scratch_ = carve(block_, [&](cuda::Carver& carver) {
-      return Calls::carve_scratch(carver, input.capacity());
+      return Calls::carve_scratch(carver, input_.tree.capacity);
     });
-    Calls::plan(input.tree(), input.cut(), model, scratch_, kStream);
+    Calls::plan(input_, model, scratch_, kStream);
   }
 
   cuda::LayoutSize planned() const { return cuda::download(scratch_.size, 1, kStream)[0]; }
@@ -136,7 +142,7 @@ class DevicePacker {
     const Layout bvh = storage_.view();
     fill(bvh.nodes, node_capacity);
     fill(bvh.items, item_capacity);
-    Calls::write(input_.tree(), input_.mesh(), scratch_, bvh, kStream);
+    Calls::write(input_, scratch_, bvh, kStream);
   }
   void write() {
     const cuda::LayoutSize size = planned();
@@ -153,7 +159,7 @@ class DevicePacker {
     if (count > 0) cuda::fill_device_bytes(values, 0xcd, count * sizeof(T), kStream);
   }
 
-  const DevicePackInput& input_;
+  cuda::PackInput input_;
   cuda::DeviceArray<std::byte> block_;
   decltype(Calls::carve_scratch(std::declval<cuda::Carver&>(), 0)) scratch_;
   cuda::LayoutStorage<Layout> storage_;

@@ -26,7 +26,7 @@ struct Collapsed {
 Collapsed collapse_on_device(const DevicePackInput& input, const SahModel& sah) {
   DeviceArray<LeafEntry> entries(input.capacity(), kStream);
   DeviceArray<LayoutSize> size(1, kStream);
-  collapse_leaves(input.tree(), input.cut(), sah, entries.data(), size.data(), kStream);
+  collapse_leaves(input.tree(), input.cut(), {}, sah, entries.data(), size.data(), kStream);
   return {download(entries), download(size)[0]};
 }
 

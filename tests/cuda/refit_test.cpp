@@ -63,7 +63,7 @@ void expect_costs_as_on_host(const test::OwnedMesh& mesh, const References& refe
   const CutTree device(input.references(), test::numbered_by_face(tree, references));
   DeviceArray<float> device_costs(2 * mesh.faces.size(), kStream);
   DeviceArray<double> device_cost(1, kStream);
-  compute_costs(device.tree(), device.cut(), sah, device_costs.data(), kStream);
+  compute_costs(device.tree(), device.cut(), {}, sah, device_costs.data(), kStream);
   normalize_cost(device.tree(), device_costs.data(), device_cost.data(), kStream);
   const Array<float> expected = treelet::compute_costs(tree, sah);
   const Array<float> costs = download(device_costs.data(), expected.size(), kStream);

@@ -20,7 +20,7 @@ using test::kStream;
 /// The choices about internal nodes, by pair.
 Array<WideEntry> choose_on_device(const DevicePackInput& input, const WideCostModel& model) {
   DeviceArray<WideEntry> entries(input.capacity(), kStream);
-  choose_wide(input.tree(), input.cut(), model, entries.data(), kStream);
+  choose_wide(input.tree(), input.cut(), {}, model, entries.data(), kStream);
   return download(entries);
 }
 

@@ -96,7 +96,7 @@ TEST(Recipe, NamesTheWordThatIsUnknown) {
             "There are: " +
                 all_words_and_presets());
   EXPECT_EQ(error_of("balanced > bvh2"),
-            "recipe \"balanced > bvh2\": unknown stage 'balanced'; There are: " + all_words());
+            "recipe \"balanced > bvh2\": unknown stage 'balanced'; there are: " + all_words());
 }
 
 TEST(Recipe, NamesTheArgumentThatIsUnknown) {
@@ -123,11 +123,14 @@ TEST(Recipe, MayBeginWithASplitter) {
 TEST(Recipe, WantsTheSplitterFirstAndABuilderBehindIt) {
   EXPECT_EQ(error_of("presplit"), "recipe \"presplit\": needs a builder after 'presplit'");
   EXPECT_EQ(error_of("presplit > treelet"),
-            "recipe \"presplit > treelet\": must begin with a builder, not with the optimizer "
+            "recipe \"presplit > treelet\": needs a builder after 'presplit', not the optimizer "
             "'treelet'");
+  EXPECT_EQ(error_of("presplit > bvh8"),
+            "recipe \"presplit > bvh8\": needs a builder after 'presplit', not the layout 'bvh8'");
   EXPECT_EQ(error_of("presplit > presplit > lbvh"),
-            "recipe \"presplit > presplit > lbvh\": must begin with a builder, not with the "
-            "splitter 'presplit'");
+            "recipe \"presplit > presplit > lbvh\": has a second splitter, 'presplit'");
+  EXPECT_EQ(error_of("presplit > lbvh > sweep"),
+            "recipe \"presplit > lbvh > sweep\": has a second builder, 'sweep'");
   EXPECT_EQ(error_of("lbvh > presplit > bvh2"),
             "recipe \"lbvh > presplit > bvh2\": the splitter 'presplit' must come first");
 }

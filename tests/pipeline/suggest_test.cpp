@@ -17,16 +17,16 @@ TEST(Suggest, NamesTheClosest) {
 }
 
 TEST(Suggest, DoesNotGuessWildly) {
-  EXPECT_EQ(suggest("octree", kKnown), "; There are: lbvh, sweep, treelet");
-  EXPECT_EQ(suggest("", kKnown), "; There are: lbvh, sweep, treelet");
+  EXPECT_EQ(suggest("octree", kKnown), "; there are: lbvh, sweep, treelet");
+  EXPECT_EQ(suggest("", kKnown), "; there are: lbvh, sweep, treelet");
 }
 
 TEST(Suggest, AcceptsOneEditAndOneMoreEachThreeLetters) {
   constexpr std::array<std::string_view, 1> word{"abcdef"};
   EXPECT_EQ(suggest("abc", word), "; did you mean 'abcdef'? There are: abcdef");
-  EXPECT_EQ(suggest("ab", word), "; There are: abcdef");
+  EXPECT_EQ(suggest("ab", word), "; there are: abcdef");
   EXPECT_EQ(suggest("xxxdef", word), "; did you mean 'abcdef'? There are: abcdef");
-  EXPECT_EQ(suggest("xxxxef", word), "; There are: abcdef");
+  EXPECT_EQ(suggest("xxxxef", word), "; there are: abcdef");
 }
 
 TEST(Suggest, SaysWhereThereIsNothing) { EXPECT_EQ(suggest("size", {}), "; there are none"); }

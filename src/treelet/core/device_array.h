@@ -40,6 +40,8 @@ class DeviceArray {
   T* data() { return data_; }
   const T* data() const { return data_; }
   Stream stream() const { return stream_; }
+  /// Frees on another stream, which the caller has ordered behind all uses.
+  void free_on(Stream stream) { stream_ = stream; }
 
  private:
   T* data_ = nullptr;

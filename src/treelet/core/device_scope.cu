@@ -12,17 +12,21 @@ int current_device() {
   return device;
 }
 
-DeviceScope::DeviceScope(const void* memory, const char* what) {
+int device_of(const void* memory, const char* what) {
   cudaPointerAttributes attributes{};
   check(cudaPointerGetAttributes(&attributes, memory), "ask where an array lies");
-  if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged) {
-    throw CudaError(std::string(what) + " do not lie in the memory of a CUDA device");
+  if (attributes.type == cudaMemoryTypeDevice || attributes.type == cudaMemoryTypeManaged) {
+    return attributes.device;
   }
-  device_ = attributes.device;
-  outer_ = current_device();
-  check(cudaSetDevice(device_), "choose the device");
+  throw CudaError(std::string(what) + " do not lie in the memory of a CUDA device");
 }
 
-DeviceScope::~DeviceScope() { cudaSetDevice(outer_); }
+DeviceScope::DeviceScope(int device) : device_(device), outer_(current_device()) {
+  if (device_ != outer_) check(cudaSetDevice(device_), "choose the device");
+}
+
+DeviceScope::~DeviceScope() {
+  if (device_ != outer_ && cudaSetDevice(outer_) != cudaSuccess) cudaGetLastError();
+}
 
 }  // namespace treelet::cuda

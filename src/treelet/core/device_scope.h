@@ -5,20 +5,21 @@ namespace treelet::cuda {
 /// The device that this thread allocates on.
 int current_device();
 
-/// Makes the device that holds some memory the current one while it lives. Memory that no device
-/// holds is a CudaError that names it by `what`.
+/// The device that holds some memory. Memory that none holds is a CudaError that names it by
+/// `what`.
+int device_of(const void* memory, const char* what);
+
+/// Makes a device the current one while it lives.
 class DeviceScope {
  public:
-  DeviceScope(const void* memory, const char* what);
+  explicit DeviceScope(int device);
   ~DeviceScope();
   DeviceScope(const DeviceScope&) = delete;
   DeviceScope& operator=(const DeviceScope&) = delete;
 
-  int device() const { return device_; }
-
  private:
-  int device_ = -1;
-  int outer_ = -1;
+  int device_;
+  int outer_;
 };
 
 }  // namespace treelet::cuda

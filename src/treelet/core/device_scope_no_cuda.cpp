@@ -12,7 +12,8 @@ namespace {
 }  // namespace
 
 int current_device() { throw_no_cuda(); }
-DeviceScope::DeviceScope(const void*, const char*) { throw_no_cuda(); }
+int device_of(const void*, const char*) { throw_no_cuda(); }
+DeviceScope::DeviceScope(int) : device_(0), outer_(0) { throw_no_cuda(); }
 DeviceScope::~DeviceScope() = default;
 
 }  // namespace treelet::cuda

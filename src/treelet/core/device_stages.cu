@@ -6,6 +6,7 @@ namespace treelet::cuda {
 
 DeviceStages::~DeviceStages() {
   for (const Mark& mark : marks_) cudaEventDestroy(mark.event);
+  cudaGetLastError();
 }
 
 void DeviceStages::begin(const char* name) {
@@ -15,8 +16,7 @@ void DeviceStages::begin(const char* name) {
   check(cudaEventRecord(event, stream_), "record an event");
 }
 
-std::vector<StageTime> DeviceStages::finish() {
-  begin("end");
+std::vector<StageTime> DeviceStages::finish() const {
   check(cudaEventSynchronize(marks_.back().event), "wait for an event");
   std::vector<StageTime> stages;
   for (std::size_t i = 0; i + 1 < marks_.size(); ++i) {

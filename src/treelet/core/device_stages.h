@@ -20,8 +20,10 @@ class DeviceStages {
 
   /// Begins a stage where the one before ends. The name is a string literal.
   void begin(const char* name);
-  /// Ends the last stage and waits for it.
-  std::vector<StageTime> finish();
+  /// Ends the last stage.
+  void end() { begin(nullptr); }
+  /// Waits for the end.
+  std::vector<StageTime> finish() const;
 
  private:
   struct Mark {

@@ -9,6 +9,7 @@
 #include <treelet/tree/device_cut.h>
 #include <treelet/tree/device_tree.h>
 #include <treelet/tree/sah.h>
+#include <treelet/tree/subtree_faces.h>
 
 // What is decided about each internal node before packing, and where its part of the layout goes.
 // Entries go by pair: entry p is about the node whose children are slots 2p and 2p + 1. A leaf of
@@ -17,7 +18,8 @@
 
 namespace treelet::cuda {
 
-/// Leaf sizes that the device packs into a Bvh2; a leaf is walked with a stack of as many slots.
+/// Leaf sizes that the device packs into a Bvh2; an unsplit leaf is walked with a stack of as
+/// many slots.
 constexpr std::uint32_t kMaxBvh2Leaf = 64;
 
 /// What becomes of an internal node in a Bvh2.
@@ -39,7 +41,7 @@ static_assert(sizeof(LeafEntry) == 16);
 struct WideEntry {
   /// What a subtree whose root is a node of the layout takes, and where.
   struct Place {
-    std::uint32_t nodes, blocks, height;
+    std::uint32_t nodes, blocks, triangles, height;
     std::uint32_t first_node, first_block;
   };
 
@@ -51,19 +53,19 @@ struct WideEntry {
 };
 static_assert(sizeof(WideEntry) == 32);
 
-/// Makes the decisions of collapse_leaves (layout/leaf_collapse.h) about trees whose references are
-/// whole triangles, places nodes and triangles, and writes the totals to *size. For leaf limits
-/// of up to kMaxBvh2Leaf. `entries` has as many values as the tree has capacity.
-void collapse_leaves(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah,
-                     LeafEntry* entries, LayoutSize* size, Stream stream);
+/// Makes the decisions of collapse_leaves (layout/leaf_collapse.h), places nodes and triangles, and
+/// writes the totals to *size. For leaf limits of up to kMaxBvh2Leaf. `entries` has as many values
+/// as the tree has capacity. Where there are counts of faces, those of nodes that remain become
+/// counts of the triangles in the leaves below.
+void collapse_leaves(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                     const SahModel& sah, LeafEntry* entries, LayoutSize* size, Stream stream);
 
-/// Makes the decisions of collapse_wide (layout/wide_collapse.h) about trees whose references are
-/// whole triangles.
-void choose_wide(const DeviceTree& tree, const DeviceCut& cut, const WideCostModel& model,
-                 WideEntry* entries, Stream stream);
+/// Makes the decisions of collapse_wide (layout/wide_collapse.h).
+void choose_wide(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                 const WideCostModel& model, WideEntry* entries, Stream stream);
 
 /// Places the nodes and blocks that have been chosen and writes the totals to *size.
-void place_wide(const DeviceTree& tree, const DeviceCut& cut, WideEntry* entries, LayoutSize* size,
-                Stream stream);
+void place_wide(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                WideEntry* entries, LayoutSize* size, Stream stream);
 
 }  // namespace treelet::cuda

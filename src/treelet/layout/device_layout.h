@@ -66,6 +66,11 @@ class LayoutStorage {
             std::uint32_t(items_.size()), summary_.data()};
   }
   std::size_t bytes() const { return nodes_.bytes() + items_.bytes(); }
+  void free_on(Stream stream) {
+    nodes_.free_on(stream);
+    items_.free_on(stream);
+    summary_.free_on(stream);
+  }
 
  private:
   DeviceArray<typename Layout::Node> nodes_;

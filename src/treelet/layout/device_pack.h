@@ -18,10 +18,17 @@
 // packs again and again gives arrays that are large enough. What does not fit is not written and
 // the layout is empty (LayoutSummary::overflowed).
 //
-// The bytes are those of pack_bvh2 and pack_bvh8 on the host, for trees whose references are whole
-// triangles (DeviceReferences::split is null).
+// The bytes are those of pack_bvh2 and pack_bvh8 on the host.
 
 namespace treelet::cuda {
+
+/// A tree to pack, and what it was built over.
+struct PackInput {
+  DeviceTree tree;
+  DeviceCut cut;
+  DeviceReferences references;
+  SubtreeFaces faces{};  ///< where references are split: counted (layout/device_face_counts.h)
+};
 
 /// 16 bytes a reference.
 struct Bvh2Scratch {
@@ -41,15 +48,15 @@ Bvh2Scratch carve_bvh2_scratch(Carver& carver, std::uint32_t capacity);
 Bvh8Scratch carve_bvh8_scratch(Carver& carver, std::uint32_t capacity);
 
 /// Throws std::invalid_argument for leaves that the layout cannot hold: of bvh2 1 to 64 triangles,
-/// of bvh8 1 to 16.
-void plan_bvh2(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah,
-               const Bvh2Scratch& scratch, Stream stream);
-void plan_bvh8(const DeviceTree& tree, const DeviceCut& cut, const WideCostModel& model,
-               const Bvh8Scratch& scratch, Stream stream);
+/// of bvh8 1 to 16. Planning a bvh2 uses up the counts of faces: who plans again counts again.
+void plan_bvh2(const PackInput& input, const SahModel& sah, const Bvh2Scratch& scratch,
+               Stream stream);
+void plan_bvh8(const PackInput& input, const WideCostModel& model, const Bvh8Scratch& scratch,
+               Stream stream);
 
-void write_bvh2(const DeviceTree& tree, const DeviceMesh& mesh, const Bvh2Scratch& scratch,
-                const DeviceBvh2& bvh, Stream stream);
-void write_bvh8(const DeviceTree& tree, const DeviceMesh& mesh, const Bvh8Scratch& scratch,
-                const DeviceBvh8& bvh, Stream stream);
+void write_bvh2(const PackInput& input, const Bvh2Scratch& scratch, const DeviceBvh2& bvh,
+                Stream stream);
+void write_bvh8(const PackInput& input, const Bvh8Scratch& scratch, const DeviceBvh8& bvh,
+                Stream stream);
 
 }  // namespace treelet::cuda

@@ -25,4 +25,9 @@ inline NodeLink* carve_links(Carver& carver, std::uint32_t node_capacity) {
 void refit(const DeviceBvh2& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream);
 void refit(const DeviceBvh8& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream);
 
+/// The same, but that each leaf keeps of its new box what lies in the box it comes with: how a
+/// leaf of pieces gets its first box.
+void fit_pieces(const DeviceBvh2& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream);
+void fit_pieces(const DeviceBvh8& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream);
+
 }  // namespace treelet::cuda

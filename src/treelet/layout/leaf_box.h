@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
+#include <treelet/layout/leaf_box_steps.h>
 #include <treelet/primitive/reference.h>
-#include <treelet/primitive/split_steps.h>
 #include <treelet/tree/binary_tree.h>
 
 namespace treelet {
@@ -30,17 +30,10 @@ class LeafBoxes {
   Aabb box_of(std::uint32_t slot, std::span<const std::uint32_t> faces) const {
     Aabb box = Aabb::empty();
     for (const std::uint32_t face : faces) box = merge(box, bounds(mesh_.triangle(face)));
-    return has_pieces_ ? overlap(box, to_mesh_units(nodes_[slot].box())) : box;
+    return has_pieces_ ? overlap(box, to_mesh_units(nodes_[slot].box(), scale_)) : box;
   }
 
  private:
-  Aabb to_mesh_units(const Aabb& box) const {
-    const auto down = [&](float x) { return round_down(x * scale_); };
-    const auto up = [&](float x) { return round_up(x * scale_); };
-    return {{down(box.lower.x), down(box.lower.y), down(box.lower.z)},
-            {up(box.upper.x), up(box.upper.y), up(box.upper.z)}};
-  }
-
   const Array<BinaryNode>& nodes_;
   const Mesh& mesh_;
   const bool has_pieces_;

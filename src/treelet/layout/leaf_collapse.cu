@@ -13,8 +13,8 @@ constexpr unsigned kThreads = 256;
 /// The tree and what is decided about its nodes.
 class LeafCollapseStep {
  public:
-  __device__ LeafCollapseStep(const DeviceTree& tree, LeafEntry* entries)
-      : nodes_(tree.nodes), entries_(entries) {}
+  __device__ LeafCollapseStep(const DeviceTree& tree, const SubtreeFaces& faces, LeafEntry* entries)
+      : nodes_(tree.nodes), faces_(faces), entries_(entries) {}
 
   __device__ bool is_leaf(const BinaryNode& node) const {
     return node.is_leaf() || entry(node).is_leaf;
@@ -24,7 +24,7 @@ class LeafCollapseStep {
     const BinaryNode node = nodes_[slot], left = nodes_[node.left()], right = nodes_[node.right()];
     const LeafEntry a = entry_of(left, sah), b = entry_of(right, sah);
     const LeafDecision decision =
-        decide_leaf(half_area(node.box()), a.cost + b.cost, node.count, sah);
+        decide_leaf(half_area(node.box()), a.cost + b.cost, faces_.count(node), sah);
     LeafEntry decided;
     decided.cost = decision.cost;
     decided.is_leaf = decision.is_leaf;
@@ -32,6 +32,9 @@ class LeafCollapseStep {
     decided.height = decision.is_leaf ? 0 : 1 + (a.height > b.height ? a.height : b.height);
     decided.first_triangle = LeafEntry::kNowhere;
     entry(node) = decided;
+    if (faces_.counts != nullptr && !decision.is_leaf) {
+      faces_.counts[node.left() / 2] = faces_.count(left) + faces_.count(right);
+    }
   }
 
   /// Places the children of a node that has been placed.
@@ -40,15 +43,16 @@ class LeafCollapseStep {
     const LeafEntry placed = entry(node);
     const std::uint32_t left_nodes = left.is_leaf() ? 0 : entry(left).nodes;
     place(left, placed.first_node + 1, placed.first_triangle);
-    place(right, placed.first_node + 1 + left_nodes, placed.first_triangle + left.count);
+    place(right, placed.first_node + 1 + left_nodes, placed.first_triangle + faces_.count(left));
   }
 
   /// Places the root and says what the tree takes.
   __device__ LayoutSize place_root() const {
     const BinaryNode root = nodes_[kRoot];
-    if (is_leaf(root)) return {1, root.count, root.count, 1};
+    const std::uint32_t triangles = faces_.count(root);
+    if (is_leaf(root)) return {1, triangles, triangles, 1};
     place(root, 0, 0);
-    return {entry(root).nodes, root.count, root.count, entry(root).height};
+    return {entry(root).nodes, triangles, triangles, entry(root).height};
   }
 
  private:
@@ -69,6 +73,7 @@ class LeafCollapseStep {
   }
 
   const BinaryNode* nodes_;
+  const SubtreeFaces faces_;
   LeafEntry* entries_;
 };
 
@@ -83,25 +88,26 @@ __device__ LayoutSize collapse_top(const DeviceTree& tree, const DeviceCut& cut,
   return size;
 }
 
-__global__ void decide_subtrees_kernel(DeviceTree tree, DeviceCut cut, SahModel sah,
-                                       LeafEntry* entries) {
+__global__ void decide_subtrees_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                       SahModel sah, LeafEntry* entries) {
   __shared__ SubtreeLevels levels;
-  const LeafCollapseStep step(tree, entries);
+  const LeafCollapseStep step(tree, faces, entries);
   for (std::uint32_t s = blockIdx.x; s < cut.counts->subtrees; s += gridDim.x) {
     list_levels(tree.nodes, cut.subtrees[s], [](const BinaryNode&) { return true; }, levels);
     visit_bottom_up(levels, [&](std::uint32_t slot) { step.decide(slot, sah); });
   }
 }
 
-__global__ void collapse_top_kernel(DeviceTree tree, DeviceCut cut, SahModel sah,
-                                    LeafEntry* entries, LayoutSize* size) {
-  const LayoutSize total = collapse_top(tree, cut, sah, LeafCollapseStep(tree, entries));
+__global__ void collapse_top_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                    SahModel sah, LeafEntry* entries, LayoutSize* size) {
+  const LayoutSize total = collapse_top(tree, cut, sah, LeafCollapseStep(tree, faces, entries));
   if (threadIdx.x == 0) *size = total;
 }
 
-__global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, LeafEntry* entries) {
+__global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                      LeafEntry* entries) {
   __shared__ SubtreeLevels levels;
-  const LeafCollapseStep step(tree, entries);
+  const LeafCollapseStep step(tree, faces, entries);
   const auto stays_node = [&](const BinaryNode& node) { return !step.is_leaf(node); };
   for (std::uint32_t s = blockIdx.x; s < cut.counts->subtrees; s += gridDim.x) {
     list_levels(tree.nodes, cut.subtrees[s], stays_node, levels);
@@ -111,12 +117,12 @@ __global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, LeafEntry*
 
 }  // namespace
 
-void collapse_leaves(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah,
-                     LeafEntry* entries, LayoutSize* size, Stream stream) {
+void collapse_leaves(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                     const SahModel& sah, LeafEntry* entries, LayoutSize* size, Stream stream) {
   const Grid subtrees{subtree_blocks(tree.capacity), kThreads};
-  launch(stream, subtrees, decide_subtrees_kernel, tree, cut, sah, entries);
-  launch(stream, Grid{1, kThreads}, collapse_top_kernel, tree, cut, sah, entries, size);
-  launch(stream, subtrees, place_subtrees_kernel, tree, cut, entries);
+  launch(stream, subtrees, decide_subtrees_kernel, tree, cut, faces, sah, entries);
+  launch(stream, Grid{1, kThreads}, collapse_top_kernel, tree, cut, faces, sah, entries, size);
+  launch(stream, subtrees, place_subtrees_kernel, tree, cut, faces, entries);
 }
 
 }  // namespace treelet::cuda

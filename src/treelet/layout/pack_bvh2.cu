@@ -11,8 +11,9 @@ namespace {
 /// Writes nodes without their boxes, and of each leaf its slot.
 class Bvh2Writer {
  public:
-  __device__ Bvh2Writer(const DeviceTree& tree, const LeafEntry* entries, const DeviceBvh2& bvh)
-      : nodes_(tree.nodes), entries_(entries), bvh_(bvh) {}
+  __device__ Bvh2Writer(const DeviceTree& tree, const SubtreeFaces& faces, const LeafEntry* entries,
+                        const DeviceBvh2& bvh)
+      : nodes_(tree.nodes), faces_(faces), entries_(entries), bvh_(bvh) {}
 
   __device__ void write_single_leaf() const {
     const BinaryNode& root = nodes_[kRoot];
@@ -20,7 +21,7 @@ class Bvh2Writer {
     Bvh2Node& node = bvh_.nodes[0];
     node.box[1] = Aabb::empty();
     node.index = {0, 0};
-    node.count = {root.count, 0};
+    node.count = {faces_.count(root), 0};
     face_at(bvh_.items, 0) = kRoot;
   }
 
@@ -30,7 +31,7 @@ class Bvh2Writer {
     if (placed.first_triangle == LeafEntry::kNowhere) return;
     Bvh2Node& node = bvh_.nodes[placed.first_node];
     write_child(node, 0, 2 * pair, placed.first_triangle);
-    write_child(node, 1, 2 * pair + 1, placed.first_triangle + nodes_[2 * pair].count);
+    write_child(node, 1, 2 * pair + 1, placed.first_triangle + faces_.count(nodes_[2 * pair]));
   }
 
  private:
@@ -43,20 +44,22 @@ class Bvh2Writer {
     const BinaryNode& child = nodes_[slot];
     const bool is_leaf = child.is_leaf() || entry(child).is_leaf;
     node.index[i] = is_leaf ? first_triangle : entry(child).first_node;
-    node.count[i] = is_leaf ? child.count : 0;
+    node.count[i] = is_leaf ? faces_.count(child) : 0;
     if (is_leaf) face_at(bvh_.items, first_triangle) = slot;
   }
 
   const BinaryNode* nodes_;
+  const SubtreeFaces faces_;
   const LeafEntry* entries_;
   const DeviceBvh2& bvh_;
 };
 
 /// Thread i is about pair i; pair 0 is none.
-__global__ void write_nodes_kernel(DeviceTree tree, const LeafEntry* entries, DeviceBvh2 bvh) {
+__global__ void write_nodes_kernel(DeviceTree tree, SubtreeFaces faces, const LeafEntry* entries,
+                                   DeviceBvh2 bvh) {
   const std::uint32_t pair = thread_index();
   if (pair >= *tree.reference_count || bvh.summary->size.nodes == 0) return;
-  const Bvh2Writer writer(tree, entries, bvh);
+  const Bvh2Writer writer(tree, faces, entries, bvh);
   if (pair == 0) {
     writer.write_single_leaf();
   } else {
@@ -76,21 +79,21 @@ Bvh2Scratch carve_bvh2_scratch(Carver& carver, std::uint32_t capacity) {
   return scratch;
 }
 
-void plan_bvh2(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah,
-               const Bvh2Scratch& scratch, Stream stream) {
+void plan_bvh2(const PackInput& input, const SahModel& sah, const Bvh2Scratch& scratch,
+               Stream stream) {
   if (sah.leaf_limit < 1 || sah.leaf_limit > kMaxBvh2Leaf) {
     throw std::invalid_argument("leaves of bvh2 hold 1 to " + std::to_string(kMaxBvh2Leaf) +
                                 " triangles on the device, not " + std::to_string(sah.leaf_limit));
   }
-  collapse_leaves(tree, cut, sah, scratch.entries, scratch.size, stream);
+  collapse_leaves(input.tree, input.cut, input.faces, sah, scratch.entries, scratch.size, stream);
 }
 
-void write_bvh2(const DeviceTree& tree, const DeviceMesh& mesh, const Bvh2Scratch& scratch,
-                const DeviceBvh2& bvh, Stream stream) {
+void write_bvh2(const PackInput& input, const Bvh2Scratch& scratch, const DeviceBvh2& bvh,
+                Stream stream) {
   launch(stream, Grid{1, 1}, begin_layout_kernel<DeviceBvh2>, bvh, scratch.size);
-  launch(stream, thread_each(tree.capacity, kPackThreads), write_nodes_kernel, tree,
-         scratch.entries, bvh);
-  finish_layout<kMaxBvh2Leaf>(bvh, tree, mesh, scratch.links, stream);
+  launch(stream, thread_each(input.tree.capacity, kPackThreads), write_nodes_kernel, input.tree,
+         input.faces, scratch.entries, bvh);
+  finish_layout<kMaxBvh2Leaf>(bvh, input, scratch.links, stream);
 }
 
 }  // namespace treelet::cuda

@@ -14,14 +14,15 @@ constexpr std::uint32_t kMaxBvh8Leaf = WideChild::kMaxBlocks * TriangleBlock::kT
 /// Writes nodes, their boxes empty, and of each leaf its slot.
 class Bvh8Writer {
  public:
-  __device__ Bvh8Writer(const DeviceTree& tree, WideEntry* entries, const DeviceBvh8& bvh)
-      : tree_{tree.nodes, entries}, bvh_(bvh) {}
+  __device__ Bvh8Writer(const DeviceTree& tree, const SubtreeFaces& faces, WideEntry* entries,
+                        const DeviceBvh8& bvh)
+      : tree_{tree.nodes, faces, entries}, bvh_(bvh) {}
 
   /// The root, where it has a single leaf.
   __device__ void write_single_leaf() const {
     if (!tree_.decision(kRoot).is_leaf) return;
     Bvh8Node& node = clear_node(0);
-    node.child[0] = write_leaf(kRoot, 0, blocks_for(tree_.nodes[kRoot].count));
+    node.child[0] = write_leaf(kRoot, 0, tree_.size(kRoot).blocks);
   }
 
   /// The node above a pair of slots, where it is a node of the layout.
@@ -62,10 +63,11 @@ class Bvh8Writer {
 };
 
 /// Thread i is about pair i; pair 0 is none.
-__global__ void write_nodes_kernel(DeviceTree tree, WideEntry* entries, DeviceBvh8 bvh) {
+__global__ void write_nodes_kernel(DeviceTree tree, SubtreeFaces faces, WideEntry* entries,
+                                   DeviceBvh8 bvh) {
   const std::uint32_t pair = thread_index();
   if (pair >= *tree.reference_count || bvh.summary->size.nodes == 0) return;
-  const Bvh8Writer writer(tree, entries, bvh);
+  const Bvh8Writer writer(tree, faces, entries, bvh);
   if (pair == 0) {
     writer.write_single_leaf();
   } else {
@@ -85,22 +87,22 @@ Bvh8Scratch carve_bvh8_scratch(Carver& carver, std::uint32_t capacity) {
   return scratch;
 }
 
-void plan_bvh8(const DeviceTree& tree, const DeviceCut& cut, const WideCostModel& model,
-               const Bvh8Scratch& scratch, Stream stream) {
+void plan_bvh8(const PackInput& input, const WideCostModel& model, const Bvh8Scratch& scratch,
+               Stream stream) {
   if (model.leaf_limit < 1 || model.leaf_limit > kMaxBvh8Leaf) {
     throw std::invalid_argument("leaves of bvh8 hold 1 to " + std::to_string(kMaxBvh8Leaf) +
                                 " triangles, not " + std::to_string(model.leaf_limit));
   }
-  choose_wide(tree, cut, model, scratch.entries, stream);
-  place_wide(tree, cut, scratch.entries, scratch.size, stream);
+  choose_wide(input.tree, input.cut, input.faces, model, scratch.entries, stream);
+  place_wide(input.tree, input.cut, input.faces, scratch.entries, scratch.size, stream);
 }
 
-void write_bvh8(const DeviceTree& tree, const DeviceMesh& mesh, const Bvh8Scratch& scratch,
-                const DeviceBvh8& bvh, Stream stream) {
+void write_bvh8(const PackInput& input, const Bvh8Scratch& scratch, const DeviceBvh8& bvh,
+                Stream stream) {
   launch(stream, Grid{1, 1}, begin_layout_kernel<DeviceBvh8>, bvh, scratch.size);
-  launch(stream, thread_each(tree.capacity, kPackThreads), write_nodes_kernel, tree,
-         scratch.entries, bvh);
-  finish_layout<kMaxBvh8Leaf>(bvh, tree, mesh, scratch.links, stream);
+  launch(stream, thread_each(input.tree.capacity, kPackThreads), write_nodes_kernel, input.tree,
+         input.faces, scratch.entries, bvh);
+  finish_layout<kMaxBvh8Leaf>(bvh, input, scratch.links, stream);
 }
 
 }  // namespace treelet::cuda

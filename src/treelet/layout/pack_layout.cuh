@@ -4,8 +4,10 @@
 #include <cstdint>
 
 #include <treelet/layout/device_layout.h>
+#include <treelet/layout/device_pack.h>
 #include <treelet/layout/device_refit_layout.h>
 #include <treelet/layout/layout_access.h>
+#include <treelet/layout/leaf_box_steps.h>
 #include <treelet/tree/binary_tree.h>
 #include <treelet/core/launch.cuh>
 
@@ -43,37 +45,99 @@ __device__ void visit_references(const BinaryNode* nodes, std::uint32_t leaf, Vi
 }
 
 /// Writes the faces of a leaf: of an unsplit tree, its references.
-template <std::uint32_t kMostReferences, class Item>
-__device__ void write_faces(const BinaryNode* nodes, Item* items, const PositionRange& leaf) {
-  const std::uint32_t slot = face_at(items, leaf.begin);
-  std::uint32_t position = leaf.begin;
-  visit_references<kMostReferences>(
-      nodes, slot, [&](std::uint32_t reference) { face_at(items, position++) = reference; });
-  while (position < leaf.end) face_at(items, position++) = TriangleBlock::kNoFace;
-}
+template <std::uint32_t kMostReferences>
+struct WholeTriangleLeaves {
+  const BinaryNode* nodes;
+
+  template <class Item, class Node>
+  __device__ void write(Item* items, Node& node, int child) const {
+    const PositionRange leaf = leaf_positions(node, child);
+    const std::uint32_t slot = face_at(items, leaf.begin);
+    std::uint32_t position = leaf.begin;
+    visit_references<kMostReferences>(
+        nodes, slot, [&](std::uint32_t reference) { face_at(items, position++) = reference; });
+    while (position < leaf.end) face_at(items, position++) = TriangleBlock::kNoFace;
+  }
+};
+
+/// Writes the faces of a leaf of pieces, each once, and the box that its pieces have in mesh units.
+struct PieceLeaves {
+  const BinaryNode* nodes;
+  SubtreeFaces faces;
+  DeviceReferences references;
+
+  template <class Item, class Node>
+  __device__ void write(Item* items, Node& node, int child) const {
+    const PositionRange leaf = leaf_positions(node, child);
+    const std::uint32_t root = face_at(items, leaf.begin);
+    set_child_box(node, child, box_of(nodes[root]));
+    const std::uint32_t end = leaf.begin + faces.count(nodes[root]);
+    std::uint32_t position = leaf.begin;
+    for (std::uint32_t slot = first_leaf(root); position < end; slot = next_leaf(slot)) {
+      const std::uint32_t face = references.split[nodes[slot].index].face;
+      if (!has_face(items, leaf.begin, position, face)) face_at(items, position++) = face;
+    }
+    while (position < leaf.end) face_at(items, position++) = TriangleBlock::kNoFace;
+  }
+
+ private:
+  __device__ std::uint32_t first_leaf(std::uint32_t slot) const {
+    while (!nodes[slot].is_leaf()) slot = nodes[slot].left();
+    return slot;
+  }
+
+  /// A leaf may have any number of pieces: no stack would be large enough.
+  __device__ std::uint32_t next_leaf(std::uint32_t slot) const {
+    while (slot % 2 != 0) slot = faces.above[slot / 2];
+    return first_leaf(slot + 1);
+  }
+
+  template <class Item>
+  __device__ static bool has_face(const Item* items, std::uint32_t begin, std::uint32_t end,
+                                  std::uint32_t face) {
+    for (std::uint32_t i = begin; i < end; ++i) {
+      if (face_at(items, i) == face) return true;
+    }
+    return false;
+  }
+
+  /// Where splitting has added nothing it cuts nothing off: these boxes hold whole triangles.
+  __device__ Aabb box_of(const BinaryNode& leaf) const {
+    return to_mesh_units(leaf.box(), power_of_two(references.scene->scale_exponent));
+  }
+};
 
 /// A thread a child.
-template <std::uint32_t kMostReferences, class Layout>
-__global__ void write_faces_kernel(Layout bvh, const BinaryNode* nodes) {
+template <class Leaves, class Layout>
+__global__ void write_leaves_kernel(Layout bvh, Leaves leaves) {
   constexpr unsigned kLanes = kChildren<typename Layout::Node>;
   const std::uint32_t index = blockIdx.x * (kPackThreads / kLanes) + threadIdx.x / kLanes;
   if (index >= bvh.summary->size.nodes) return;
-  const typename Layout::Node& node = bvh.nodes[index];
+  typename Layout::Node& node = bvh.nodes[index];
   const int child = int(threadIdx.x % kLanes);
-  if (!is_leaf_child(node, child)) return;
-  write_faces<kMostReferences>(nodes, bvh.items, leaf_positions(node, child));
+  if (is_leaf_child(node, child)) leaves.write(bvh.items, node, child);
+}
+
+template <class Leaves, class Layout>
+void write_leaves(const Layout& bvh, const Leaves& leaves, Stream stream) {
+  constexpr std::size_t kLanes = kChildren<typename Layout::Node>;
+  launch(stream, thread_each(bvh.node_capacity * kLanes, kPackThreads),
+         write_leaves_kernel<Leaves, Layout>, bvh, leaves);
 }
 
 /// Enqueues what remains to be done when the nodes are written.
 template <std::uint32_t kMostReferences, class Layout>
-void finish_layout(const Layout& bvh, const DeviceTree& tree, const DeviceMesh& mesh,
-                   NodeLink* links, Stream stream) {
-  constexpr std::size_t kLanes = kChildren<typename Layout::Node>;
+void finish_layout(const Layout& bvh, const PackInput& input, NodeLink* links, Stream stream) {
+  const DeviceTree& tree = input.tree;
+  const DeviceMesh& mesh = input.references.mesh;
   Layout written = bvh;  // a large capacity needs no more threads than the tree may need
   written.node_capacity = std::min(bvh.node_capacity, max_layout_nodes(tree.capacity));
-  launch(stream, thread_each(written.node_capacity * kLanes, kPackThreads),
-         write_faces_kernel<kMostReferences, Layout>, written, tree.nodes);
-  refit(written, mesh, links, stream);
+  if (input.references.split == nullptr) {
+    write_leaves(written, WholeTriangleLeaves<kMostReferences>{tree.nodes}, stream);
+    return refit(written, mesh, links, stream);
+  }
+  write_leaves(written, PieceLeaves{tree.nodes, input.faces, input.references}, stream);
+  fit_pieces(written, mesh, links, stream);
 }
 
 }  // namespace treelet::cuda

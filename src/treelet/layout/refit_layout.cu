@@ -1,5 +1,6 @@
 #include <treelet/layout/device_refit_layout.h>
 
+#include <treelet/layout/leaf_box_steps.h>
 #include <treelet/layout/refit_layout_steps.h>
 #include <treelet/core/launch.cuh>
 
@@ -7,6 +8,14 @@ namespace treelet::cuda {
 namespace {
 
 constexpr unsigned kThreads = 256;
+
+// How a leaf's box follows from that of its triangles and the one it had.
+struct TakeWhole {
+  __device__ Aabb operator()(const Aabb& box, const Aabb&) const { return box; }
+};
+struct KeepWithin {
+  __device__ Aabb operator()(const Aabb& box, const Aabb& last) const { return overlap(box, last); }
+};
 
 /// Fits nodes from below: the last of a node's children to have its box goes on to the parent
 /// [Karras2012 s4].
@@ -30,7 +39,8 @@ class Refit {
     }
   }
 
-  __device__ void fit_leaf(std::uint32_t node, int i, const DeviceMesh& mesh) const {
+  template <class BoxRule>
+  __device__ void fit_leaf(std::uint32_t node, int i, const DeviceMesh& mesh, BoxRule rule) const {
     if (!is_leaf_child(bvh_.nodes[node], i)) return;
     const auto triangle_of = [&](std::uint32_t face) {
       const Face corners = mesh.faces[face];
@@ -39,8 +49,9 @@ class Refit {
     };
     const LeafRefit<Item, decltype(triangle_of)> leaf(
         bvh_.items, leaf_positions(bvh_.nodes[node], i), triangle_of);
-    const LeafFit fit = leaf.run(child_box(bvh_.nodes[node], i));
-    set_child_box(bvh_.nodes[node], i, fit.box);
+    const Aabb last_box = child_box(bvh_.nodes[node], i);
+    const LeafFit fit = leaf.run(last_box);
+    set_child_box(bvh_.nodes[node], i, rule(fit.box, last_box));
     if (fit.hidden > 0) atomicAdd(&bvh_.summary->hidden, fit.hidden);
   }
 
@@ -84,32 +95,39 @@ __global__ void link_kernel(Layout bvh, NodeLink* links) {
 }
 
 /// A thread a child.
-template <class Layout>
+template <class BoxRule, class Layout>
 __global__ void fit_kernel(Layout bvh, DeviceMesh mesh, NodeLink* links) {
   constexpr unsigned kLanes = kChildren<typename Layout::Node>;
   const Refit<Layout> refit(bvh, links);
   const std::uint32_t node = blockIdx.x * (kThreads / kLanes) + threadIdx.x / kLanes;
   const unsigned child = threadIdx.x % kLanes;
-  if (refit.has_node(node)) refit.fit_leaf(node, int(child), mesh);
+  if (refit.has_node(node)) refit.fit_leaf(node, int(child), mesh, BoxRule{});
   __syncwarp();
   if (refit.has_node(node) && child == 0) refit.climb(node);
 }
 
-template <class Layout>
+template <class BoxRule, class Layout>
 void enqueue(const Layout& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream) {
   constexpr std::size_t kLanes = kChildren<typename Layout::Node>;
   launch(stream, thread_each(bvh.node_capacity, kThreads), link_kernel<Layout>, bvh, links);
-  launch(stream, thread_each(bvh.node_capacity * kLanes, kThreads), fit_kernel<Layout>, bvh, mesh,
-         links);
+  launch(stream, thread_each(bvh.node_capacity * kLanes, kThreads), fit_kernel<BoxRule, Layout>,
+         bvh, mesh, links);
 }
 
 }  // namespace
 
 void refit(const DeviceBvh2& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream) {
-  enqueue(bvh, mesh, links, stream);
+  enqueue<TakeWhole>(bvh, mesh, links, stream);
 }
 void refit(const DeviceBvh8& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream) {
-  enqueue(bvh, mesh, links, stream);
+  enqueue<TakeWhole>(bvh, mesh, links, stream);
+}
+
+void fit_pieces(const DeviceBvh2& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream) {
+  enqueue<KeepWithin>(bvh, mesh, links, stream);
+}
+void fit_pieces(const DeviceBvh8& bvh, const DeviceMesh& mesh, NodeLink* links, Stream stream) {
+  enqueue<KeepWithin>(bvh, mesh, links, stream);
 }
 
 }  // namespace treelet::cuda

@@ -14,14 +14,14 @@ constexpr unsigned kThreads = 256;
 /// measured from below and placed from above.
 class WideCollapseStep {
  public:
-  __device__ WideCollapseStep(const DeviceTree& tree, WideEntry* entries)
-      : nodes_(tree.nodes), tree_{tree.nodes, entries} {}
+  __device__ WideCollapseStep(const DeviceTree& tree, const SubtreeFaces& faces, WideEntry* entries)
+      : nodes_(tree.nodes), tree_{tree.nodes, faces, entries} {}
 
   __device__ void choose(std::uint32_t slot, const WideCostModel& model) const {
     const BinaryNode node = nodes_[slot];
     const WideChoice left = choice_of(node.left(), model), right = choice_of(node.right(), model);
     const WideChoice choice =
-        choose_internal(half_area(node.box()), node.count, left, right, model);
+        choose_internal(half_area(node.box()), tree_.faces.count(node), left, right, model);
     WideEntry& entry = tree_.entry(node);
     entry.decision = choice.decision;
     for (int i = 1; i < WideChoice::kWidth; ++i) entry.costs[i - 1] = choice.cost(i);
@@ -41,11 +41,12 @@ class WideCollapseStep {
 
   __device__ void measure(std::uint32_t slot) const {
     if (!is_node(slot)) return;
-    WideEntry::Place size{1, 0, 0, 0, 0};
+    WideEntry::Place size{1, 0, 0, 0, 0, 0};
     for (const std::uint32_t child : children(slot)) {
       const WideEntry::Place below = tree_.size(child);
       size.nodes += below.nodes;
       size.blocks += below.blocks;
+      size.triangles += below.triangles;
       size.height = size.height > below.height ? size.height : below.height;
     }
     ++size.height;
@@ -54,10 +55,9 @@ class WideCollapseStep {
 
   /// Places the root and says what the tree takes.
   __device__ LayoutSize place_root() const {
-    const std::uint32_t triangles = nodes_[kRoot].count;
-    if (tree_.decision(kRoot).is_leaf) return {1, blocks_for(triangles), triangles, 1};
-    const WideEntry::Place& size = tree_.entry(nodes_[kRoot]).place;  // placed at 0
-    return {size.nodes, size.blocks, triangles, size.height};
+    const WideEntry::Place size = tree_.size(kRoot);  // placed at 0
+    if (size.nodes == 0) return {1, size.blocks, size.triangles, 1};
+    return {size.nodes, size.blocks, size.triangles, size.height};
   }
 
   /// Places the children of a node of the layout that has been placed.
@@ -122,43 +122,46 @@ __device__ LayoutSize place_top(const DeviceTree& tree, const DeviceCut& cut,
   return threadIdx.x == 0 && *tree.reference_count > 0 ? step.place_root() : LayoutSize{};
 }
 
-__global__ void choose_subtrees_kernel(DeviceTree tree, DeviceCut cut, WideCostModel model,
-                                       WideEntry* entries) {
+__global__ void choose_subtrees_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                       WideCostModel model, WideEntry* entries) {
   __shared__ SubtreeLevels levels;
-  const WideCollapseStep step(tree, entries);
+  const WideCollapseStep step(tree, faces, entries);
   for_each_subtree(tree, cut, levels, [&] {
     visit_bottom_up(levels, [&](std::uint32_t slot) { step.choose(slot, model); });
   });
 }
 
-__global__ void choose_top_kernel(DeviceTree tree, DeviceCut cut, WideCostModel model,
-                                  WideEntry* entries) {
-  const WideCollapseStep step(tree, entries);
+__global__ void choose_top_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                  WideCostModel model, WideEntry* entries) {
+  const WideCollapseStep step(tree, faces, entries);
   visit_top_bottom_up(cut, [&](std::uint32_t slot) { step.choose(slot, model); });
 }
 
-__global__ void mark_top_kernel(DeviceTree tree, DeviceCut cut, WideEntry* entries) {
-  mark_top(tree, cut, WideCollapseStep(tree, entries));
+__global__ void mark_top_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                WideEntry* entries) {
+  mark_top(tree, cut, WideCollapseStep(tree, faces, entries));
 }
 
-__global__ void measure_subtrees_kernel(DeviceTree tree, DeviceCut cut, WideEntry* entries) {
+__global__ void measure_subtrees_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                        WideEntry* entries) {
   __shared__ SubtreeLevels levels;
-  const WideCollapseStep step(tree, entries);
+  const WideCollapseStep step(tree, faces, entries);
   for_each_subtree(tree, cut, levels, [&] {
     visit_top_down(levels, [&](std::uint32_t slot) { step.mark_children(slot); });
     visit_bottom_up(levels, [&](std::uint32_t slot) { step.measure(slot); });
   });
 }
 
-__global__ void place_top_kernel(DeviceTree tree, DeviceCut cut, WideEntry* entries,
-                                 LayoutSize* size) {
-  const LayoutSize total = place_top(tree, cut, WideCollapseStep(tree, entries));
+__global__ void place_top_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                 WideEntry* entries, LayoutSize* size) {
+  const LayoutSize total = place_top(tree, cut, WideCollapseStep(tree, faces, entries));
   if (threadIdx.x == 0) *size = total;
 }
 
-__global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, WideEntry* entries) {
+__global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
+                                      WideEntry* entries) {
   __shared__ SubtreeLevels levels;
-  const WideCollapseStep step(tree, entries);
+  const WideCollapseStep step(tree, faces, entries);
   for_each_subtree(tree, cut, levels, [&] {
     visit_top_down(levels, [&](std::uint32_t slot) { step.place_children(slot); });
   });
@@ -166,20 +169,20 @@ __global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, WideEntry*
 
 }  // namespace
 
-void choose_wide(const DeviceTree& tree, const DeviceCut& cut, const WideCostModel& model,
-                 WideEntry* entries, Stream stream) {
+void choose_wide(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                 const WideCostModel& model, WideEntry* entries, Stream stream) {
   const Grid subtrees{subtree_blocks(tree.capacity), kThreads};
-  launch(stream, subtrees, choose_subtrees_kernel, tree, cut, model, entries);
-  launch(stream, Grid{1, kThreads}, choose_top_kernel, tree, cut, model, entries);
+  launch(stream, subtrees, choose_subtrees_kernel, tree, cut, faces, model, entries);
+  launch(stream, Grid{1, kThreads}, choose_top_kernel, tree, cut, faces, model, entries);
 }
 
-void place_wide(const DeviceTree& tree, const DeviceCut& cut, WideEntry* entries, LayoutSize* size,
-                Stream stream) {
+void place_wide(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                WideEntry* entries, LayoutSize* size, Stream stream) {
   const Grid subtrees{subtree_blocks(tree.capacity), kThreads}, top{1, kThreads};
-  launch(stream, top, mark_top_kernel, tree, cut, entries);
-  launch(stream, subtrees, measure_subtrees_kernel, tree, cut, entries);
-  launch(stream, top, place_top_kernel, tree, cut, entries, size);
-  launch(stream, subtrees, place_subtrees_kernel, tree, cut, entries);
+  launch(stream, top, mark_top_kernel, tree, cut, faces, entries);
+  launch(stream, subtrees, measure_subtrees_kernel, tree, cut, faces, entries);
+  launch(stream, top, place_top_kernel, tree, cut, faces, entries, size);
+  launch(stream, subtrees, place_subtrees_kernel, tree, cut, faces, entries);
 }
 
 }  // namespace treelet::cuda

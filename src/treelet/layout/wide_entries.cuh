@@ -10,6 +10,7 @@ namespace treelet::cuda {
 /// A tree and what is decided about its nodes.
 struct WideEntries {
   const BinaryNode* nodes;
+  SubtreeFaces faces;
   WideEntry* entries;
 
   /// Of an internal node.
@@ -32,7 +33,8 @@ struct WideEntries {
   /// What a child takes: a leaf no node.
   __device__ WideEntry::Place size(std::uint32_t child) const {
     const BinaryNode& node = nodes[child];
-    if (decision(node).is_leaf) return {0, blocks_for(node.count), 0, 0, 0};
+    const std::uint32_t triangles = faces.count(node);
+    if (decision(node).is_leaf) return {0, blocks_for(triangles), triangles, 0, 0, 0};
     return entry(node).place;
   }
 };

@@ -12,7 +12,8 @@
 namespace treelet::cuda {
 namespace {
 
-constexpr std::array<std::string_view, 5> kDeviceWords{"lbvh", "hploc", "treelet", "bvh2", "bvh8"};
+constexpr std::array<std::string_view, 6> kDeviceWords{"presplit", "lbvh", "hploc",
+                                                       "treelet",  "bvh2", "bvh8"};
 
 void require_device_word(const RecipeStage& stage) {
   if (runs_on_device(stage.word->name)) return;
@@ -28,6 +29,10 @@ TreeletConfig treelet_config(const RecipeStage& stage) {
   return {.size = int(stage.value("size")),
           .rounds = int(stage.value("rounds")),
           .gamma = std::uint32_t(stage.value("gamma"))};
+}
+
+std::uint32_t split_percent(const Recipe& recipe) {
+  return std::uint32_t(recipe.splitter->value("budget"));
 }
 
 /// Takes what each of `phases` takes, all from the same place: they come one after another.
@@ -58,38 +63,49 @@ void require_device_words(const Recipe& recipe) {
 }
 
 BuildMemory carve_build(Carver& carver, std::uint32_t faces, const Recipe& recipe) {
+  const std::uint32_t capacity =
+      recipe.splitter ? split_capacity(faces, split_percent(recipe)) : faces;
   BuildMemory memory;
   memory.scene = carver.take<DeviceScene>(1);
   memory.summaries = carve_summaries(carver);
   memory.sah = carver.take<double>(1);
-  memory.tree = {carver.take<BinaryNode>(2 * std::size_t(faces)),
-                 memory.scene == nullptr ? nullptr : &memory.scene->reference_count, faces};
+  memory.tree = {carver.take<BinaryNode>(2 * std::size_t(capacity)),
+                 memory.scene == nullptr ? nullptr : &memory.scene->reference_count, capacity};
+  if (recipe.splitter) memory.split = carver.take<Reference>(capacity);
+  const auto split = [&] {
+    if (recipe.splitter) memory.split_scratch = carve_split_scratch(carver, faces);
+  };
   const auto order_references = [&] {
-    memory.order = carve_morton_order(carver, faces);
+    memory.order = carve_morton_order(carver, capacity);
     share(
-        carver, [&] { memory.sort = carve_sort_scratch(carver, faces); },
+        carver, [&] { memory.sort = carve_sort_scratch(carver, capacity); },
         [&] {
           if (builds_by_hploc(recipe)) {
-            memory.hploc = carve_hploc_scratch(carver, faces);
+            memory.hploc = carve_hploc_scratch(carver, capacity);
           } else {
-            memory.lbvh = carve_lbvh_scratch(carver, faces);
+            memory.lbvh = carve_lbvh_scratch(carver, capacity);
           }
         });
   };
-  const auto restructure = [&] { memory.treelet = carve_treelet_buffers(carver, faces); };
+  const auto restructure = [&] { memory.treelet = carve_treelet_buffers(carver, capacity); };
   const auto pack = [&] {
-    memory.cut = carve_cut(carver, faces);
+    memory.cut = carve_cut(carver, capacity);
+    if (recipe.splitter) memory.faces = carve_subtree_faces(carver, capacity);
     share(
-        carver, [&] { memory.costs = carver.take<float>(2 * std::size_t(faces)); },
+        carver,
+        [&] {
+          if (recipe.splitter) memory.face_counts = carve_face_count_scratch(carver, capacity);
+        },
+        [&] { memory.costs = carver.take<float>(2 * std::size_t(capacity)); },
         [&] {
           if (recipe.layout.word->name == "bvh2") {
-            memory.pack = carve_bvh2_scratch(carver, faces);
+            memory.pack = carve_bvh2_scratch(carver, capacity);
           } else {
-            memory.pack = carve_bvh8_scratch(carver, faces);
+            memory.pack = carve_bvh8_scratch(carver, capacity);
           }
         });
   };
-  share(carver, order_references, restructure, pack);
+  share(carver, split, order_references, restructure, pack);
   return memory;
 }
 
@@ -98,7 +114,7 @@ void DevicePipeline::begin(const char* stage) {
 }
 
 DeviceReferences DevicePipeline::references() const {
-  return {mesh_, memory_.scene, nullptr, mesh_.face_count};
+  return {mesh_, memory_.scene, memory_.split, memory_.tree.capacity};
 }
 
 SahModel DevicePipeline::sah() const {
@@ -107,9 +123,20 @@ SahModel DevicePipeline::sah() const {
   return model;
 }
 
+PackInput DevicePipeline::pack_input() const {
+  return {memory_.tree, memory_.cut, references(), memory_.faces};
+}
+
 void DevicePipeline::survey() {
   begin("survey the mesh");
   survey_mesh(mesh_, memory_.summaries, memory_.scene, stream_);
+}
+
+void DevicePipeline::split() {
+  if (!recipe_.splitter) return;
+  begin("split triangles");
+  split_references(mesh_, split_percent(recipe_), memory_.split_scratch, memory_.scene,
+                   memory_.split, stream_);
 }
 
 void DevicePipeline::run_builder() {
@@ -132,25 +159,29 @@ void DevicePipeline::run_optimizer(const RecipeStage& stage) {
 void DevicePipeline::plan_layout() {
   begin("cost of the tree");
   cut_tree(memory_.tree, memory_.cut, stream_);
-  compute_costs(memory_.tree, memory_.cut, sah(), memory_.costs, stream_);
+  if (recipe_.splitter) {
+    count_faces(memory_.tree, memory_.cut, references(), memory_.face_counts, memory_.faces,
+                stream_);
+  }
+  compute_costs(memory_.tree, memory_.cut, memory_.faces, sah(), memory_.costs, stream_);
   normalize_cost(memory_.tree, memory_.costs, memory_.sah, stream_);
   begin("collapse");
   if (const auto* scratch = std::get_if<Bvh2Scratch>(&memory_.pack)) {
-    plan_bvh2(memory_.tree, memory_.cut, sah(), *scratch, stream_);
+    plan_bvh2(pack_input(), sah(), *scratch, stream_);
   } else {
     const WideCostModel model{.leaf_limit = sah().leaf_limit};
-    plan_bvh8(memory_.tree, memory_.cut, model, std::get<Bvh8Scratch>(memory_.pack), stream_);
+    plan_bvh8(pack_input(), model, std::get<Bvh8Scratch>(memory_.pack), stream_);
   }
 }
 
 void DevicePipeline::write_layout(const DeviceBvh2& bvh) {
   begin("pack bvh2");
-  write_bvh2(memory_.tree, mesh_, std::get<Bvh2Scratch>(memory_.pack), bvh, stream_);
+  write_bvh2(pack_input(), std::get<Bvh2Scratch>(memory_.pack), bvh, stream_);
 }
 
 void DevicePipeline::write_layout(const DeviceBvh8& bvh) {
   begin("pack bvh8");
-  write_bvh8(memory_.tree, mesh_, std::get<Bvh8Scratch>(memory_.pack), bvh, stream_);
+  write_bvh8(pack_input(), std::get<Bvh8Scratch>(memory_.pack), bvh, stream_);
 }
 
 }  // namespace treelet::cuda

@@ -7,12 +7,14 @@
 #include <treelet/core/carver.h>
 #include <treelet/core/device_stages.h>
 #include <treelet/core/stream.h>
+#include <treelet/layout/device_face_counts.h>
 #include <treelet/layout/device_pack.h>
 #include <treelet/optimize/treelet.h>
 #include <treelet/pipeline/recipe.h>
 #include <treelet/primitive/device_references.h>
 #include <treelet/primitive/device_sort.h>
 #include <treelet/primitive/morton_order.h>
+#include <treelet/primitive/split.h>
 #include <treelet/tree/device_cut.h>
 #include <treelet/tree/device_tree.h>
 #include <treelet/tree/sah.h>
@@ -25,20 +27,26 @@ namespace treelet::cuda {
 /// All that a build needs besides the mesh and the layout's own arrays. Stages that follow each
 /// other share memory:
 ///
+///     | scene, sah | tree | split references | split scratch     where split
 ///     | scene, sah | tree | codes, order | sort scratch          build order
 ///     |            |      |              | lbvh or hploc scratch build
 ///     |            |      | cut | treelet costs                  restructure
-///     |            |      | cut | collapse entries               pack
+///     |            |      | cut | face counts | their scratch    count faces, where split
+///     |            |      | cut | face counts | collapse entries pack
 struct BuildMemory {
   DeviceScene* scene = nullptr;
   MeshSummary* summaries = nullptr;
   double* sah = nullptr;
   DeviceTree tree;
+  Reference* split = nullptr;  ///< null where no splitter is in the recipe
+  SplitScratch split_scratch;
   DeviceMortonOrder order;
   SortScratch sort;
   LbvhScratch lbvh;
   HplocScratch hploc;
   DeviceCut cut;
+  SubtreeFaces faces;  ///< null where no splitter is in the recipe
+  FaceCountScratch face_counts;
   float* costs = nullptr;
   TreeletBuffers treelet;
   std::variant<Bvh2Scratch, Bvh8Scratch> pack;
@@ -68,6 +76,7 @@ class DevicePipeline {
   template <class Check>
   void build_tree(Check&& check) {
     survey();
+    split();
     run_builder();
     check(recipe_.builder.word->name);
     for (const RecipeStage& stage : recipe_.optimizers) {
@@ -85,8 +94,10 @@ class DevicePipeline {
   SahModel sah() const;
 
  private:
+  PackInput pack_input() const;
   void begin(const char* stage);
   void survey();
+  void split();
   void run_builder();
   void run_optimizer(const RecipeStage& stage);
 

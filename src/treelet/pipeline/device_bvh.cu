@@ -1,24 +1,27 @@
 #include <treelet/pipeline/device_bvh.h>
 
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <treelet/core/cuda_error.h>
 #include <treelet/core/device_array.h>
 #include <treelet/core/device_scope.h>
+#include <treelet/core/use_log.h>
+#include <treelet/layout/device_epo.h>
 #include <treelet/layout/device_refit_layout.h>
 #include <treelet/layout/device_statistics.h>
 #include <treelet/pipeline/device_build.h>
+#include <treelet/pipeline/device_storage.h>
 #include <treelet/query/device_intersect.h>
 #include <treelet/tree/validate.h>
 #include <treelet/core/cuda_check.cuh>
 
 namespace treelet::cuda {
 namespace {
-
-using Storage = std::variant<Bvh2Storage, Bvh8Storage>;
 
 /// What the host reads of a build, once.
 struct Outcome {
@@ -46,70 +49,6 @@ void require_sound(std::string_view stage, const std::vector<std::string>& viola
   throw std::logic_error(message);
 }
 
-/// Memory of a build that carves itself.
-class Workspace {
- public:
-  Workspace(std::uint32_t faces, const Recipe& recipe, Stream stream) {
-    Carver counting;
-    carve_build(counting, faces, recipe);
-    block_ = DeviceArray<std::byte>(counting.peak(), stream);
-    Carver carver(block_.data());
-    memory_ = carve_build(carver, faces, recipe);
-  }
-
-  const BuildMemory& memory() const { return memory_; }
-
- private:
-  DeviceArray<std::byte> block_;
-  BuildMemory memory_;
-};
-
-/// What a tree keeps to be updated.
-struct UpdateMemory {
-  Recipe recipe;
-  DeviceArray<Face> faces;
-  std::uint32_t vertex_count;
-  Workspace workspace;
-  DeviceArray<NodeLink> links;
-
-  DeviceMesh mesh(const Vec3* vertices) const {
-    return {vertices, faces.data(), vertex_count, std::uint32_t(faces.size())};
-  }
-};
-
-Storage allocate(const Recipe& recipe, std::uint32_t nodes, std::uint32_t items, Stream stream) {
-  if (recipe.layout.word->name == "bvh2") return Bvh2Storage(nodes, items, stream);
-  return Bvh8Storage(nodes, items, stream);
-}
-
-const Array<PackedTriangle>& items_of(const Bvh2& bvh) { return bvh.triangles; }
-const Array<TriangleBlock>& items_of(const Bvh8& bvh) { return bvh.blocks; }
-std::size_t triangle_count(const Bvh2& bvh) { return bvh.triangles.size(); }
-std::size_t triangle_count(const Bvh8& bvh) { return bvh.triangle_count; }
-
-template <class Stored, class Layout>
-Storage upload_layout(const Layout& bvh, Stream stream) {
-  const auto& items = items_of(bvh);
-  const std::uint32_t nodes = std::uint32_t(bvh.nodes.size());
-  const LayoutSummary summary{
-      bvh.bounds,
-      {nodes, std::uint32_t(items.size()), std::uint32_t(triangle_count(bvh)), bvh.depth},
-      0,
-      0};
-  Stored stored(nodes, std::uint32_t(items.size()), stream);
-  copy_to_device(stored.view().nodes, bvh.nodes.data(), bvh.nodes.bytes(), stream);
-  copy_to_device(stored.view().items, items.data(), items.bytes(), stream);
-  copy_to_device(stored.view().summary, &summary, sizeof(summary), stream);
-  synchronize(stream);
-  return stored;
-}
-Storage upload_any(const Bvh2& bvh, Stream stream) {
-  return upload_layout<Bvh2Storage>(bvh, stream);
-}
-Storage upload_any(const Bvh8& bvh, Stream stream) {
-  return upload_layout<Bvh8Storage>(bvh, stream);
-}
-
 /// Blocks are numbered by 29 bits.
 void require_numbers(const Recipe& recipe, const LayoutSize& size) {
   if (recipe.layout.word->name != "bvh8" || size.items <= DeviceBvh8::kMaxItems) return;
@@ -128,18 +67,61 @@ class DeviceBvh::Impl {
   mutable Storage storage;  // a view of it does not change the tree
   std::optional<UpdateMemory> update;
   SahModel sah;
-  Stream stream = nullptr;
   int device = current_device();
+  UseLog writes;
+  mutable UseLog reads;
+  std::vector<std::pair<Storage, DeviceArray<NodeLink>>>
+      retired;  // a recorded graph may write there
   mutable std::optional<DeviceStages> stages;
   mutable BuildReport report;
   mutable bool has_statistics = false;
+  mutable std::mutex report_mutex;
+  std::uint32_t depth = 0;  ///< of the layout, as far as the host knows
 
   template <class Visit>
   void visit(Visit&& visit_layout) const {
     std::visit([&](auto& stored) { visit_layout(stored.view()); }, storage);
   }
 
-  LayoutSummary read_summary() const {
+  /// Memory is freed behind all that uses it, on a stream that is there for certain.
+  ~Impl() {
+    const Stream own = own_stream();
+    writes.order_behind(own);
+    reads.order_behind(own);
+    free_on(storage, own);
+    if (update) update->free_on(own);
+    for (auto& [old_storage, old_links] : retired) {
+      free_on(old_storage, own);
+      old_links.free_on(own);
+    }
+  }
+
+  /// Calls query(layout) between what came before and what comes after on other streams.
+  template <class Query>
+  void read(Stream stream, Query&& query) const {
+    const DeviceScope scope(device);
+    writes.order_behind(stream);
+    visit(query);
+    reads.record(stream);
+  }
+
+  template <class Write>
+  void write(Stream stream, Write&& change) {
+    const DeviceScope scope(device);
+    writes.order_behind(stream);
+    reads.order_behind(stream);
+    visit(change);
+    writes.record(stream);
+  }
+
+  /// A stream for reading what the host asks for, behind all writes.
+  Stream reading_stream() const {
+    const Stream stream = own_stream();
+    writes.order_behind(stream);
+    return stream;
+  }
+
+  LayoutSummary read_summary(Stream stream) const {
     LayoutSummary summary;
     visit([&](const auto& bvh) { copy_to_host(&summary, bvh.summary, sizeof(summary), stream); });
     return summary;
@@ -147,16 +129,26 @@ class DeviceBvh::Impl {
 
   /// The report with what takes a wait to know.
   const BuildReport& finished_report() const {
+    const DeviceScope scope(device);
+    const std::lock_guard lock(report_mutex);
     if (stages) {
       report.stages = stages->finish();
       for (const StageTime& stage : report.stages) report.seconds += stage.seconds;
       stages.reset();
     }
-    if (!has_statistics) {
-      visit([&](const auto& bvh) { report.tree = compute_statistics(bvh, sah, stream); });
-      has_statistics = true;
-    }
+    if (!has_statistics) measure_layout();
     return report;
+  }
+
+  /// Statistics of the layout as it is now: those of the build, until it is refitted.
+  void measure_layout() const {
+    const Stream stream = reading_stream();
+    TreeStatistics statistics;
+    visit([&](const auto& bvh) { statistics = compute_statistics(bvh, sah, stream); });
+    report.update.sah = statistics.sah;
+    report.update.hidden = read_summary(stream).hidden;
+    if (report.update.refits == 0) report.tree = std::move(statistics);
+    has_statistics = true;
   }
 
   void set_outcome(const Outcome& outcome) {
@@ -164,8 +156,15 @@ class DeviceBvh::Impl {
     report.left_out_non_finite = outcome.scene.left_out_non_finite;
     report.left_out_degenerate = outcome.scene.left_out_degenerate;
     report.sah = outcome.sah;
-    report.tree.depth = outcome.size.depth;
+    report.update.refits = 0;
+    depth = outcome.size.depth;
     has_statistics = false;
+  }
+
+  std::size_t held_bytes() const {
+    const std::size_t layout =
+        std::visit([](const auto& stored) { return stored.bytes(); }, storage);
+    return update ? layout + update->bytes() : 0;
   }
 
   UpdateMemory& updatable(std::uint32_t vertices) {
@@ -181,15 +180,21 @@ class DeviceBvh::Impl {
 
 DeviceBvh::DeviceBvh(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 DeviceBvh::DeviceBvh(DeviceBvh&&) noexcept = default;
-DeviceBvh& DeviceBvh::operator=(DeviceBvh&&) noexcept = default;
-DeviceBvh::~DeviceBvh() = default;
+DeviceBvh& DeviceBvh::operator=(DeviceBvh&& other) noexcept {
+  std::swap(impl_, other.impl_);
+  return *this;
+}
+DeviceBvh::~DeviceBvh() {
+  if (!impl_) return;
+  const DeviceScope scope(impl_->device);
+  impl_.reset();
+}
 
 DeviceBvh DeviceBvh::build(const DeviceMesh& mesh, const Recipe& recipe,
                            const DeviceBuildOptions& options, Stream stream) {
   require_device_words(recipe);
   check_face_count(mesh.face_count);
   auto impl = std::make_unique<Impl>();
-  impl->stream = stream;
   impl->report.recipe = recipe.text();
   impl->report.faces = mesh.face_count;
   Workspace workspace(mesh.face_count, recipe, stream);
@@ -202,12 +207,14 @@ DeviceBvh DeviceBvh::build(const DeviceMesh& mesh, const Recipe& recipe,
     require_sound(stage, validate(memory.tree, pipeline.references(), stream));
   });
   pipeline.plan_layout();
+  impl->stages->begin("wait and allocate");
   const Outcome outcome = read_outcome(memory, stream);
   require_valid_indices(mesh, outcome.scene, stream);
   require_numbers(recipe, outcome.size);
   const auto room = [&](std::uint32_t size) { return options.updatable ? with_slack(size) : size; };
   impl->storage = allocate(recipe, room(outcome.size.nodes), room(outcome.size.items), stream);
   impl->visit([&](const auto& bvh) { pipeline.write_layout(bvh); });
+  impl->stages->end();
   impl->set_outcome(outcome);
   if (options.updatable) {
     DeviceArray<Face> faces(mesh.face_count, stream);
@@ -216,15 +223,21 @@ DeviceBvh DeviceBvh::build(const DeviceMesh& mesh, const Recipe& recipe,
                                       std::move(workspace),
                                       DeviceArray<NodeLink>(room(outcome.size.nodes), stream)});
   }
+  impl->writes.record(stream);
+  if (options.updatable) {
+    impl->report.update.held_bytes = impl->held_bytes();
+    impl->finished_report();  // what refits are measured against
+  }
   return DeviceBvh(std::move(impl));
 }
 
 DeviceBvh DeviceBvh::upload(const Bvh& bvh, Stream stream) {
   auto impl = std::make_unique<Impl>();
-  impl->stream = stream;
   impl->sah = bvh.sah;
   impl->report = bvh.report;
+  impl->report.update = {};
   impl->has_statistics = true;
+  impl->depth = bvh.report.tree.depth;
   impl->storage =
       std::visit([&](const auto& layout) { return upload_any(layout, stream); }, bvh.layout);
   return DeviceBvh(std::move(impl));
@@ -232,7 +245,8 @@ DeviceBvh DeviceBvh::upload(const Bvh& bvh, Stream stream) {
 
 Bvh DeviceBvh::download(Stream stream) const {
   Bvh bvh;
-  impl_->visit([&](const auto& layout) { bvh.layout = treelet::cuda::download(layout, stream); });
+  impl_->read(stream,
+              [&](const auto& layout) { bvh.layout = treelet::cuda::download(layout, stream); });
   bvh.sah = impl_->sah;
   bvh.report = report();
   return bvh;
@@ -240,57 +254,90 @@ Bvh DeviceBvh::download(Stream stream) const {
 
 const BuildReport& DeviceBvh::report() const { return impl_->finished_report(); }
 int DeviceBvh::device() const { return impl_->device; }
-Aabb DeviceBvh::bounds() const { return impl_->read_summary().bounds; }
+
+Aabb DeviceBvh::bounds() const {
+  const DeviceScope scope(impl_->device);
+  return impl_->read_summary(impl_->reading_stream()).bounds;
+}
+
+double DeviceBvh::epo(std::size_t max_triangles) const {
+  const DeviceScope scope(impl_->device);
+  const Stream stream = impl_->reading_stream();
+  double epo = 0.0;
+  impl_->visit([&](const auto& bvh) {
+    epo = compute_epo(bvh, impl_->sah, std::uint32_t(impl_->report.faces), stream, max_triangles);
+  });
+  return epo;
+}
 
 void DeviceBvh::refit(const Vec3* vertices, std::uint32_t count, Stream stream) {
   UpdateMemory& update = impl_->updatable(count);
-  impl_->stream = stream;
-  impl_->visit([&](const auto& bvh) {
+  impl_->write(stream, [&](const auto& bvh) {
     treelet::cuda::refit(bvh, update.mesh(vertices), update.links.data(), stream);
   });
   ++impl_->report.update.refits;
+  impl_->has_statistics = false;
 }
 
 void DeviceBvh::rebuild(const Vec3* vertices, std::uint32_t count, Stream stream) {
   const UpdateMemory& update = impl_->updatable(count);
-  impl_->stream = stream;
   const DeviceMesh mesh = update.mesh(vertices);
-  DevicePipeline pipeline(mesh, update.recipe, update.workspace.memory(), stream, nullptr);
-  pipeline.build_tree([](std::string_view) {});
-  pipeline.plan_layout();
-  impl_->visit([&](const auto& bvh) { pipeline.write_layout(bvh); });
+  impl_->write(stream, [&](const auto& bvh) {
+    DevicePipeline pipeline(mesh, update.recipe, update.workspace.memory(), stream, nullptr);
+    pipeline.build_tree([](std::string_view) {});
+    pipeline.plan_layout();
+    pipeline.write_layout(bvh);
+  });
+  impl_->report.update.refits = 0;
+  impl_->has_statistics = false;
 }
 
 void DeviceBvh::check(Stream stream) {
   if (!impl_->update) return;
-  const UpdateMemory& update = *impl_->update;
+  const DeviceScope scope(impl_->device);
+  impl_->writes.order_behind(stream);
+  UpdateMemory& update = *impl_->update;
   const Outcome outcome = read_outcome(update.workspace.memory(), stream);
   impl_->set_outcome(outcome);
-  if (impl_->read_summary().overflowed == 0) return;
+  const LayoutSummary summary = impl_->read_summary(stream);
+  if (summary.overflowed == 0) {
+    impl_->finished_report();
+    return;
+  }
   const std::uint32_t nodes = with_slack(outcome.size.nodes);
-  impl_->storage = allocate(update.recipe, nodes, with_slack(outcome.size.items), stream);
-  impl_->update->links = DeviceArray<NodeLink>(nodes, stream);
+  Storage larger = allocate(update.recipe, nodes, with_slack(outcome.size.items), stream);
+  std::visit(
+      [&](auto& stored) {
+        copy_to_device(stored.view().summary, &summary, sizeof(summary), stream);
+      },
+      larger);
+  DeviceArray<NodeLink> links(nodes, stream);
+  synchronize(stream);
+  std::swap(impl_->storage, larger);
+  std::swap(update.links, links);
+  impl_->retired.emplace_back(std::move(larger), std::move(links));
+  impl_->report.update.held_bytes = impl_->held_bytes();
   throw CudaError(
-      "the rebuilt tree did not fit the memory of the first one and is empty; there is "
-      "room for it now: rebuild once more");
+      "the rebuilt tree did not fit the memory of the first one and is empty; there is room for it "
+      "now: rebuild once more, and record graphs anew");
 }
 
 void DeviceBvh::intersect(const DeviceRayBatch& rays, const HitArrays& hits, Stream stream) const {
-  impl_->visit([&](const auto& bvh) {
-    treelet::cuda::intersect(bvh, impl_->report.tree.depth, rays, hits, stream);
+  impl_->read(stream, [&](const auto& bvh) {
+    treelet::cuda::intersect(bvh, impl_->depth, rays, hits, stream);
   });
 }
 
 void DeviceBvh::find_occluded(const DeviceRayBatch& rays, bool* occluded, Stream stream) const {
-  impl_->visit([&](const auto& bvh) {
-    treelet::cuda::find_occluded(bvh, impl_->report.tree.depth, rays, occluded, stream);
+  impl_->read(stream, [&](const auto& bvh) {
+    treelet::cuda::find_occluded(bvh, impl_->depth, rays, occluded, stream);
   });
 }
 
 void DeviceBvh::count_work(const DeviceRayBatch& rays, const WorkArrays& work,
                            Stream stream) const {
-  impl_->visit([&](const auto& bvh) {
-    treelet::cuda::count_work(bvh, impl_->report.tree.depth, rays, work, stream);
+  impl_->read(stream, [&](const auto& bvh) {
+    treelet::cuda::count_work(bvh, impl_->depth, rays, work, stream);
   });
 }
 

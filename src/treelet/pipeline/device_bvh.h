@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include <treelet/core/cuda_error.h>
 #include <treelet/core/stream.h>
 #include <treelet/pipeline/bvh.h>
 #include <treelet/pipeline/recipe.h>
@@ -12,7 +13,7 @@ namespace treelet::cuda {
 
 struct DeviceBuildOptions {
   bool validate = false;   ///< check the binary tree after every stage
-  bool updatable = false;  ///< keep what refit and rebuild need
+  bool updatable = false;  ///< keep what refit and rebuild need; the build waits once more
 };
 
 /// A tree in the memory of a CUDA device: what Bvh (pipeline/bvh.h) is on the host, with the same
@@ -25,9 +26,9 @@ class DeviceBvh {
   DeviceBvh& operator=(DeviceBvh&&) noexcept;
   ~DeviceBvh();
 
-  /// Builds a tree where the mesh lies; the mesh is not needed afterwards. Throws as build() on the
-  /// host, and for recipe words that run on the CPU alone. Waits once: for the sizes of the arrays
-  /// to allocate, by when all that can be wrong with the mesh is known.
+  /// Builds a tree where the mesh lies; the mesh is not needed after what was enqueued. Throws as
+  /// build() on the host, and for recipe words that run on the CPU alone. Waits once: for the sizes
+  /// of the arrays to allocate, by when all that can be wrong with the mesh is known.
   static DeviceBvh build(const DeviceMesh& mesh, const Recipe& recipe,
                          const DeviceBuildOptions& options, Stream stream);
 
@@ -41,8 +42,11 @@ class DeviceBvh {
   int device() const;
   /// Waits for what was enqueued on the stream of the last build or update.
   Aabb bounds() const;
+  /// As Bvh::epo on the host; waits.
+  double epo(std::size_t max_triangles = 0) const;
 
-  /// As Bvh::refit on the host, from vertices in device memory. Only for updatable trees.
+  /// As UpdatableBvh::refit on the host, from vertices in device memory. Nothing waits; the report,
+  /// when it is read next, tells the layout's SAH and what is hidden. Only for updatable trees.
   void refit(const Vec3* vertices, std::uint32_t count, Stream stream);
   /// Runs the recipe again over moved vertices, in the memory that the tree has. Nothing waits and
   /// nothing is allocated, so that a CUDA graph can record it; what went wrong, check() tells. Only

@@ -26,6 +26,7 @@ Bvh DeviceBvh::download(Stream) const { throw_no_cuda(); }
 const BuildReport& DeviceBvh::report() const { throw_no_cuda(); }
 int DeviceBvh::device() const { throw_no_cuda(); }
 Aabb DeviceBvh::bounds() const { throw_no_cuda(); }
+double DeviceBvh::epo(std::size_t) const { throw_no_cuda(); }
 void DeviceBvh::refit(const Vec3*, std::uint32_t, Stream) { throw_no_cuda(); }
 void DeviceBvh::rebuild(const Vec3*, std::uint32_t, Stream) { throw_no_cuda(); }
 void DeviceBvh::check(Stream) { throw_no_cuda(); }

@@ -75,27 +75,38 @@ RecipeStage resolve(std::string_view recipe, const WrittenStage& written) {
   return stage;
 }
 
+std::string describe(const RecipeWord& word) {
+  return "the " + std::string(kind_name(word.kind)) + " '" + std::string(word.name) + "'";
+}
+
+/// Where the builder stands: first, or behind a splitter.
+std::size_t find_builder(std::string_view recipe, const std::vector<RecipeStage>& stages) {
+  const RecipeWord& first = *stages.front().word;
+  if (first.kind == WordKind::builder) return 0;
+  if (first.kind != WordKind::splitter) {
+    fail(recipe, "must begin with a builder, not with " + describe(first));
+  }
+  const std::string missing = "needs a builder after '" + std::string(first.name) + "'";
+  if (stages.size() == 1) fail(recipe, missing);
+  const RecipeWord& second = *stages[1].word;
+  if (second.kind == WordKind::splitter) {
+    fail(recipe, "has a second splitter, '" + std::string(second.name) + "'");
+  }
+  if (second.kind != WordKind::builder) fail(recipe, missing + ", not " + describe(second));
+  return 1;
+}
+
 void check_order(std::string_view recipe, const std::vector<RecipeStage>& stages) {
-  const std::size_t first = stages.front().word->kind == WordKind::splitter;
-  if (first == stages.size()) {
-    fail(recipe, "needs a builder after '" + std::string(stages.front().word->name) + "'");
-  }
-  if (stages[first].word->kind != WordKind::builder) {
-    fail(recipe, "must begin with a builder, not with the " +
-                     std::string(kind_name(stages[first].word->kind)) + " '" +
-                     std::string(stages[first].word->name) + "'");
-  }
-  for (std::size_t i = first + 1; i < stages.size(); ++i) {
+  const std::size_t builder = find_builder(recipe, stages);
+  for (std::size_t i = builder + 1; i < stages.size(); ++i) {
     const RecipeWord& word = *stages[i].word;
     const bool is_last = i + 1 == stages.size();
-    if (word.kind == WordKind::splitter) {
-      fail(recipe, "the splitter '" + std::string(word.name) + "' must come first");
-    }
+    if (word.kind == WordKind::splitter) fail(recipe, describe(word) + " must come first");
     if (word.kind == WordKind::builder) {
       fail(recipe, "has a second builder, '" + std::string(word.name) + "'");
     }
     if (word.kind == WordKind::layout && !is_last) {
-      fail(recipe, "the layout '" + std::string(word.name) + "' must come last");
+      fail(recipe, describe(word) + " must come last");
     }
   }
 }

@@ -28,11 +28,9 @@ std::string suggest(std::string_view unknown, std::span<const std::string_view> 
   if (known.empty()) return "; there are none";
   const auto closest = std::ranges::min_element(
       known, {}, [&](std::string_view name) { return edit_distance(unknown, name); });
-  std::string text = ";";
-  if (edit_distance(unknown, *closest) <= 1 + closest->size() / 3) {
-    text += " did you mean '" + std::string(*closest) + "'?";
-  }
-  text += " There are: ";
+  const bool is_close = edit_distance(unknown, *closest) <= 1 + closest->size() / 3;
+  std::string text = is_close ? "; did you mean '" + std::string(*closest) + "'? There are: "
+                              : std::string("; there are: ");
   for (const std::string_view& name : known) {
     if (&name != &known.front()) text += ", ";
     text += name;

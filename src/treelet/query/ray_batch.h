@@ -20,9 +20,13 @@ struct PerRay {
       : first(reinterpret_cast<const std::byte*>(data)), stride(stride_bytes) {}
 
   TREELET_HD T operator[](std::size_t ray) const {
+#if defined(__CUDA_ARCH__)
+    return *reinterpret_cast<const T*>(first + ray * stride);  // device arrays are aligned
+#else
     T value;
-    memcpy(&value, first + ray * stride, sizeof(T));  // the device's own is not in std
+    std::memcpy(&value, first + ray * stride, sizeof(T));
     return value;
+#endif
   }
 };
 

@@ -53,13 +53,14 @@ struct MergeChildren {
 
 struct AddCosts {
   const BinaryNode* nodes;
+  SubtreeFaces faces;
   SahModel sah;
   float* costs;
 
   __device__ void operator()(std::uint32_t slot) const {
     const BinaryNode node = nodes[slot];
     costs[slot] = sah.subtree_cost(half_area(node.box()), costs[node.left()] + costs[node.right()],
-                                   node.count);
+                                   faces.count(node));
   }
 };
 
@@ -94,10 +95,10 @@ void refit(const DeviceTree& tree, const DeviceCut& cut, const DeviceReferences&
   launch_bottom_up(tree, cut, MergeChildren{tree.nodes}, stream);
 }
 
-void compute_costs(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah, float* costs,
-                   Stream stream) {
+void compute_costs(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                   const SahModel& sah, float* costs, Stream stream) {
   launch(stream, thread_each(2 * std::size_t(tree.capacity)), cost_leaves, tree, sah, costs);
-  launch_bottom_up(tree, cut, AddCosts{tree.nodes, sah, costs}, stream);
+  launch_bottom_up(tree, cut, AddCosts{tree.nodes, faces, sah, costs}, stream);
 }
 
 void normalize_cost(const DeviceTree& tree, const float* costs, double* cost, Stream stream) {

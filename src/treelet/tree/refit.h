@@ -6,6 +6,7 @@
 #include <treelet/tree/device_cut.h>
 #include <treelet/tree/device_tree.h>
 #include <treelet/tree/sah.h>
+#include <treelet/tree/subtree_faces.h>
 
 namespace treelet {
 
@@ -27,9 +28,10 @@ namespace cuda {
 void refit(const DeviceTree& tree, const DeviceCut& cut, const DeviceReferences& references,
            Stream stream);
 
-/// Writes a cost for each slot of the tree.
-void compute_costs(const DeviceTree& tree, const DeviceCut& cut, const SahModel& sah, float* costs,
-                   Stream stream);
+/// Writes a cost for each slot of the tree; with counts of faces, of leaves in which the pieces of
+/// a face count as one triangle, as in collapsed_sah_cost (layout/leaf_collapse.h).
+void compute_costs(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                   const SahModel& sah, float* costs, Stream stream);
 
 /// Writes sah_cost from the costs by slot.
 void normalize_cost(const DeviceTree& tree, const float* costs, double* cost, Stream stream);
