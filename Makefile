@@ -56,7 +56,8 @@ test-python: $(STAMPS)/package
 test-cuda: $(STAMPS)/package
 	@cmake --preset release --log-level=WARNING > /dev/null  # again: it may find nanobind now
 	cmake --build --preset release --target treelet_emulated_python
-	$(BIN)/python tests/python/run_emulated.py build/release/emulated tests/python/test_cuda_arrays.py
+	$(BIN)/python tests/python/run_emulated.py build/release/emulated \
+	  tests/python/test_cuda_arrays.py tests/python/test_cuda_streams.py
 
 lint: $(STAMPS)/lint ## Check formatting, style, layering and sizes
 	$(BIN)/ruff check $(PYTHON_DIRS)

@@ -1,11 +1,11 @@
 """Build, test and measure treelet on this machine's GPU, with what is installed; downloads nothing.
 
-python tools/gpu.py [STEP ...] [--budget SECONDS]
+python tools/gpu.py [STEP ...] [--budget SECONDS] [--out FOLDER]
 
 Needs nvcc, CMake, Ninja and a C++ compiler; for the Python half nanobind, NumPy and pytest in the Python
 that runs this; for the C++ tests GoogleTest (installed, in /usr/src/googletest, or where TREELET_GTEST_ROOT
 says); for the checks compute-sanitizer. What is missing is skipped and named. A failed step does not keep
-later ones from running. Leaves gpu.log and gpu.jsonl in $OUT, else in out/gpu.
+later ones from running. Leaves gpu.log and gpu.jsonl in out/gpu, or where --out says.
 """
 
 from __future__ import annotations
@@ -249,13 +249,23 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("steps", nargs="*", metavar="STEP", help=f"of: {', '.join(STEPS)}; by default all")
     parser.add_argument("--budget", type=float, default=3600, help="seconds for all steps together")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FOLDER",
+        default=os.environ.get("OUT") or ROOT / "out" / "gpu",
+        help="for gpu.log and gpu.jsonl; by default the variable OUT, if set, else out/gpu",
+    )
     options = parser.parse_args(arguments)
     if unknown := set(options.steps) - set(STEPS):
         parser.error(f"no such step: {', '.join(sorted(unknown))}; there are {', '.join(STEPS)}")
-    out = Path(os.environ.get("OUT") or ROOT / "out" / "gpu")
-    out.mkdir(parents=True, exist_ok=True)
+    out = options.out.absolute()  # steps run in the root of the sources
     run = Runner(out / "gpu.log", time.monotonic() + options.budget)
-    run.log.write_bytes(b"")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        run.log.write_bytes(b"")
+    except OSError as error:
+        parser.error(f"cannot write to {out}: {error.strerror}")
     results = []
     for name in options.steps or STEPS:
         results.append(run_step(name, run))

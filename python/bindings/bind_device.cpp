@@ -158,10 +158,12 @@ class Memory {
   std::size_t size() const { return bytes_.size(); }
   void copy_from_host(nb::bytes values, Address stream) {
     require(values.size());
+    const cuda::DeviceScope scope(device_);
     cuda::copy_to_device(bytes_.data(), values.data(), values.size(), stream_of(stream));
     cuda::synchronize(stream_of(stream));
   }
   nb::bytes copy_to_host(Address stream) {
+    const cuda::DeviceScope scope(device_);
     std::vector<char> values(bytes_.size());
     if (!values.empty()) {
       cuda::copy_to_host(values.data(), bytes_.data(), values.size(), stream_of(stream));
@@ -181,7 +183,8 @@ nb::dlpack::dtype dtype_of(const std::string& name) {
   if (name == "float32") return nb::dtype<float>();
   if (name == "int32") return nb::dtype<std::int32_t>();
   if (name == "uint32") return nb::dtype<std::uint32_t>();
-  return nb::dtype<bool>();
+  if (name == "bool") return nb::dtype<bool>();
+  throw std::invalid_argument("no array of " + name + " leaves by DLPack");
 }
 
 /// An array that only speaks DLPack, for libraries that take that and nothing else.
@@ -193,18 +196,7 @@ nb::ndarray<nb::device::cuda> as_dlpack(nb::handle memory, const std::string& dt
                                        device);
 }
 
-}  // namespace
-
-void bind_device(nb::module_& module) {
-  nb::class_<RayArguments>(module, "DeviceRays")
-      .def(nb::init<std::size_t, Address, Address, Address, Address, std::size_t, std::size_t,
-                    std::size_t, std::size_t, float, float>());
-  nb::class_<Memory>(module, "DeviceMemory")
-      .def(nb::init<std::size_t, int, Address>(), "bytes"_a, "device"_a, "stream"_a)
-      .def_prop_ro("address", &Memory::address)
-      .def("__len__", &Memory::size)
-      .def("copy_from_host", &Memory::copy_from_host, "values"_a, "stream"_a)
-      .def("copy_to_host", &Memory::copy_to_host, "stream"_a);
+void bind_tree(nb::module_& module) {
   nb::class_<cuda::DeviceBvh>(module, "DeviceBvh")
       .def_prop_ro("report",
                    [](const cuda::DeviceBvh& bvh) { return describe_report(bvh.report()); })
@@ -239,16 +231,36 @@ void bind_device(nb::module_& module) {
                        {pointer<std::uint32_t>(nodes), pointer<std::uint32_t>(triangles)},
                        stream_of(stream));
       });
+}
+
+}  // namespace
+
+void bind_device(nb::module_& module) {
+  nb::class_<RayArguments>(module, "DeviceRays")
+      .def(nb::init<std::size_t, Address, Address, Address, Address, std::size_t, std::size_t,
+                    std::size_t, std::size_t, float, float>());
+  nb::class_<Memory>(module, "DeviceMemory")
+      .def(nb::init<std::size_t, int, Address>(), "bytes"_a, "device"_a, "stream"_a)
+      .def_prop_ro("address", &Memory::address)
+      .def("__len__", &Memory::size)
+      .def("copy_from_host", &Memory::copy_from_host, "values"_a, "stream"_a)
+      .def("copy_to_host", &Memory::copy_to_host, "stream"_a);
+  bind_tree(module);
   module.def("device_build", build);
   module.def("device_upload", [](const treelet::Bvh& bvh, Address stream) {
+    const nb::gil_scoped_release release;
     return cuda::DeviceBvh::upload(bvh, stream_of(stream));
   });
   module.def("device_current", &cuda::current_device);
   module.def("device_of", device_of, "address"_a, "what"_a);
   module.def("device_release_memory", &cuda::release_device_memory);
-  module.def("device_synchronize", [](Address stream) {
-    const nb::gil_scoped_release release;
-    cuda::synchronize(stream_of(stream));
-  });
+  module.def(
+      "device_synchronize",
+      [](Address stream, int device) {
+        const nb::gil_scoped_release release;
+        const cuda::DeviceScope scope(device < 0 ? cuda::current_device() : device);
+        cuda::synchronize(stream_of(stream));
+      },
+      "stream"_a, "device"_a = -1);
   module.def("as_dlpack", as_dlpack, "memory"_a, "dtype"_a, "shape"_a, "device"_a);
 }

@@ -1,21 +1,26 @@
-"""Reads what arrays in device memory say of themselves, and makes answers in the same library.
+"""Reads what arrays in device memory say of themselves, and orders what a stream does with them.
 
 torch, cupy, jax, numba, warp and others give `__cuda_array_interface__`: an address, a shape, a type and
-strides. That is all treelet needs, and none of these libraries is imported unless an array of it came in.
+strides. That is all treelet needs. It imports none of these libraries: whoever passes an array of one has.
 """
 
 from __future__ import annotations
 
 import math
+import operator
+import re
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import _core
 
-_LEGACY_STREAM = 1  # of __cuda_array_interface__: the default stream, 0 to CUDA
-_DLPACK_CUDA = 2  # the kind of device
+LEGACY_STREAM = 1  # of __cuda_array_interface__: the default stream, 0 to CUDA
+_LIBRARIES = {"torch": "torch", "cupy": "cupy", "jax": "jax", "jaxlib": "jax"}  # by package of the type
+_MAX_ROWS = 2**32 - 1
 
 
 class DeviceArray(NamedTuple):
@@ -24,12 +29,16 @@ class DeviceArray(NamedTuple):
     address: int
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
+    stream: int | None
+    """The stream that writes it, where it says so."""
     owner: Any
 
     @property
     def library(self) -> str:
-        """The package that the owner's type comes from, as "torch"."""
-        return type(self.owner).__module__.partition(".")[0]
+        """Which of the libraries that treelet answers in made it: "torch", "cupy", "jax" or ""."""
+        packages = (str(kind.__module__).partition(".")[0] for kind in type(self.owner).__mro__)
+        libraries = (_LIBRARIES.get(package, "") for package in packages)
+        return next((library for library in libraries if library in sys.modules), "")
 
 
 def is_on_device(array: object) -> bool:
@@ -37,20 +46,47 @@ def is_on_device(array: object) -> bool:
     return hasattr(array, "__cuda_array_interface__")
 
 
-def as_device_array(array: Any, name: str) -> DeviceArray:
+def as_device_array(
+    array: Any, name: str, advice: str = "move it there, or move the tree with bvh.to('cpu')"
+) -> DeviceArray:
     """Read where an array lies. Host arrays and strided ones are refused with what to do instead."""
     if not is_on_device(array):
         raise TypeError(
-            f"{name} must lie on a CUDA device as the other arrays do, not be a {type(array).__name__} on "
-            "the host: move it there, or move the tree with bvh.to('cpu')"
+            f"{name} must lie on a CUDA device as the rest does, not be a {type(array).__name__} on the "
+            f"host: {advice}"
         )
     _wait_for_jax(array)
-    interface = array.__cuda_array_interface__
-    shape = tuple(int(length) for length in interface["shape"])
-    dtype = np.dtype(interface["typestr"])
-    if not _is_contiguous(interface.get("strides"), shape, dtype.itemsize):
+    try:
+        read, strides, mask = _read_interface(array)
+        is_contiguous = _is_contiguous(strides, read.shape, read.dtype.itemsize)
+    except (AttributeError, IndexError, KeyError, SyntaxError, TypeError, ValueError) as error:
+        reason = f"it has no {error}" if isinstance(error, KeyError) else error
+        raise ValueError(f"{name}: its __cuda_array_interface__ is not valid: {reason}") from error
+    if mask is not None:
+        raise ValueError(f"{name} must not have a mask: fill in what it hides first")
+    if not is_contiguous:
         raise ValueError(f"{name} must be C-contiguous on the device: call .contiguous() or .copy() first")
-    return DeviceArray(int(interface["data"][0]), shape, dtype, array)
+    alignment = read.dtype.alignment
+    if 0 not in read.shape and read.address % alignment != 0:
+        raise ValueError(f"{name} must begin at a multiple of {alignment} bytes: copy it first")
+    return read
+
+
+def require_rows_of_3(array: DeviceArray, name: str, letter: str) -> None:
+    """Refuse all but (N, 3), and more rows than 32 bits count."""
+    if len(array.shape) != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name} must have shape ({letter}, 3), not {array.shape}")
+    if array.shape[0] > _MAX_ROWS:
+        raise ValueError(f"{name} has {array.shape[0]} rows, but at most {_MAX_ROWS} can be numbered")
+
+
+def require_current_device(device: str) -> None:
+    """Refuse all names but that of the current device, as "cuda:0"."""
+    if not isinstance(device, str) or re.fullmatch(r"cuda:[0-9]+", device) is None:
+        raise ValueError(f"device must be 'cpu' or 'cuda', not {device!r}")
+    current = f"cuda:{_core.device_current()}"
+    if device != current:
+        raise ValueError(f"device must be the current one, {current!r}, not {device!r}: choose that first")
 
 
 def stream_address(stream: Any, like: DeviceArray | None = None) -> int:
@@ -60,105 +96,48 @@ def stream_address(stream: Any, like: DeviceArray | None = None) -> int:
     """
     if stream is None:
         return 0 if like is None else _current_stream(like)
-    if isinstance(stream, int):
-        return 0 if stream == _LEGACY_STREAM else stream
     if hasattr(stream, "__cuda_stream__"):
-        return int(stream.__cuda_stream__()[1])
+        return _as_address(stream.__cuda_stream__()[1])
     for attribute in ("cuda_stream", "ptr"):  # torch, cupy
         if hasattr(stream, attribute):
-            return int(getattr(stream, attribute))
-    raise TypeError(f"stream must be an address or a stream object, not {type(stream).__name__}")
+            return _as_address(getattr(stream, attribute))
+    return _as_address(stream)
 
 
-def empty_like(like: DeviceArray, shape: tuple[int, ...], dtype: str, stream: int) -> Output:
-    """Uninitialised device memory that will be an array of the library of `like`."""
-    if like.library == "torch":
-        torch = sys.modules["torch"]
-        tensor = torch.empty(shape, dtype=getattr(torch, dtype), device=like.owner.device)
-        return Output(tensor.data_ptr(), tensor, shape, dtype, stream)
-    if like.library == "cupy":
-        array = sys.modules["cupy"].empty(shape, dtype)
-        return Output(array.data.ptr, array, shape, dtype, stream)
-    memory = _core.DeviceMemory(math.prod(shape) * np.dtype(dtype).itemsize, stream)
-    return Output(memory.address, memory, shape, dtype, stream, like.library)
+@contextmanager
+def reading(arrays: Sequence[DeviceArray], stream: int) -> Iterator[None]:
+    """Work enqueued inside comes after what wrote the arrays, and before their memory is used again."""
+    for array in arrays:
+        if array.stream is not None and array.stream != stream:
+            _core.device_synchronize(array.stream)
+        if array.library == "torch" and _current_stream(array) != stream:
+            cuda = sys.modules["torch"].cuda
+            array.owner.record_stream(cuda.ExternalStream(stream, device=array.owner.device))
+    yield
+    if any(array.library == "jax" for array in arrays):
+        _core.device_synchronize(stream)  # jax takes no stream, and frees in its own
 
 
-class Output:
-    """Device memory that a call writes to, and then hands out as an array."""
-
-    def __init__(
-        self, address: int, owner: Any, shape: tuple[int, ...], dtype: str, stream: int, library: str = ""
-    ) -> None:
-        self.address = address
-        self._owner, self._shape, self._dtype = owner, shape, dtype
-        self._stream, self._library = stream, library
-
-    def finish(self, device: int) -> Any:
-        """The array, of the library that the input came from where that can be."""
-        if not isinstance(self._owner, _core.DeviceMemory):
-            return self._owner
-        array = Array(self._owner, self._shape, self._dtype, self._stream, device)
-        if self._library in ("jax", "jaxlib"):
-            _core.device_synchronize(self._stream)  # jax takes no stream
-            return sys.modules["jax"].dlpack.from_dlpack(array)
-        return array
-
-
-class Array:
-    """An array in device memory for libraries that treelet does not know: they can all read it.
-
-    It has `__cuda_array_interface__` and `__dlpack__`; `numpy()` copies it to the host.
-    """
-
-    def __init__(
-        self, memory: _core.DeviceMemory, shape: tuple[int, ...], dtype: str, stream: int, device: int
-    ) -> None:
-        self._memory, self._stream, self._device = memory, stream, device
-        self.shape, self.dtype = shape, np.dtype(dtype)
-
-    @property
-    def __cuda_array_interface__(self) -> dict[str, Any]:
-        return {
-            "shape": self.shape,
-            "typestr": self.dtype.str,
-            "data": (self._memory.address, False),
-            "strides": None,
-            "stream": self._stream or _LEGACY_STREAM,
-            "version": 3,
-        }
-
-    def __dlpack__(self, **_: Any) -> Any:
-        return _core.as_dlpack(self._memory, self.dtype.name, list(self.shape), self._device)
-
-    def __dlpack_device__(self) -> tuple[int, int]:
-        return _DLPACK_CUDA, self._device
-
-    def numpy(self) -> np.ndarray[Any, np.dtype[Any]]:
-        """A copy in host memory; waits for the stream that writes the array."""
-        return np.frombuffer(self._memory.copy_to_host(self._stream), self.dtype).reshape(self.shape)
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __repr__(self) -> str:
-        return f"<treelet.cuda.Array of {self.dtype} {self.shape} on device {self._device}>"
-
-
-def copy_to_device(values: Any, dtype: str | None = None, *, stream: int = 0) -> Array:
-    """Copy a host array to the current CUDA device, for who has no array library that does; waits.
-
-    Args:
-        values: what numpy makes an array of.
-        dtype: "float32", "int32" or "uint32"; by default the array's own.
-        stream: the address of a stream.
-
-    Raises:
-        RuntimeError: where there is no CUDA or no memory.
-    """
-    array = np.ascontiguousarray(values, dtype)
-    memory = _core.DeviceMemory(array.nbytes, stream)
-    memory.copy_from_host(array.tobytes(), stream)
-    return Array(memory, array.shape, array.dtype.name, stream, _core.device_current())
+def _read_interface(array: Any) -> tuple[DeviceArray, Any, Any]:
+    """The array, its strides and its mask. Raises nearly anything where the interface is not valid."""
+    interface = array.__cuda_array_interface__
+    shape = tuple(operator.index(length) for length in interface["shape"])
+    if any(length < 0 for length in shape):
+        raise ValueError(f"shape {shape} is negative")
+    typestr, data, stream = interface["typestr"], interface["data"], interface.get("stream")
+    if not isinstance(typestr, str):
+        raise TypeError(f"typestr must be text, not {typestr!r}")
+    address = data[0] if data is not None else None
+    if not address and 0 not in shape:
+        raise ValueError(f"an array of {math.prod(shape)} elements has no address")
+    read = DeviceArray(
+        operator.index(address or 0),
+        shape,
+        np.dtype(typestr),
+        None if stream is None else _as_address(stream),
+        array,
+    )
+    return read, interface.get("strides"), interface.get("mask")
 
 
 def _is_contiguous(strides: Any, shape: tuple[int, ...], item: int) -> bool:
@@ -178,10 +157,19 @@ def _wait_for_jax(array: Any) -> None:
         array.block_until_ready()
 
 
+def _as_address(stream: Any) -> int:
+    if isinstance(stream, bool) or not hasattr(stream, "__index__"):
+        raise TypeError(f"stream must be an address or a stream object, not {type(stream).__name__}")
+    address = operator.index(stream)
+    if not 0 <= address < 2**64:
+        raise ValueError(f"stream must be an address, not {address}")
+    return 0 if address == LEGACY_STREAM else address
+
+
 def _current_stream(like: DeviceArray) -> int:
     if like.library == "torch":
-        return int(sys.modules["torch"].cuda.current_stream(like.owner.device).cuda_stream)
+        return stream_address(sys.modules["torch"].cuda.current_stream(like.owner.device))
     if like.library == "cupy":
-        return int(sys.modules["cupy"].cuda.get_current_stream().ptr)
-    stream = like.owner.__cuda_array_interface__.get("stream")
-    return 0 if stream in (None, _LEGACY_STREAM) else int(stream)
+        with like.owner.device:
+            return stream_address(sys.modules["cupy"].cuda.get_current_stream())
+    return like.stream or 0

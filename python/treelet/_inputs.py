@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._device import is_on_device
+
 FloatArray = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 FaceArray = np.ndarray[tuple[int, int], np.dtype[np.uint32]]
 
@@ -58,6 +60,7 @@ def as_vertices(vertices: ArrayLike) -> Vertices:
 
 def as_faces(faces: ArrayLike, vertex_count: int) -> FaceArray:
     """(F, 3) uint32, C-contiguous. Indices beyond 32 bits and negative ones are refused here."""
+    _require_host(faces, "faces")
     array = np.asarray(faces)
     if array.size == 0 and array.ndim == 1:
         return np.empty((0, 3), np.uint32)
@@ -74,21 +77,36 @@ def as_rays(origins: ArrayLike, directions: ArrayLike, t_min: ArrayLike, t_max: 
     """Broadcast rays without repeating in memory what is one for all."""
     points, vectors = _as_vectors(origins, "origins"), _as_vectors(directions, "directions")
     limits = [_to_float32(_as_numbers(t, name)) for t, name in ((t_min, "t_min"), (t_max, "t_max"))]
-    leading = [points.shape[:-1], vectors.shape[:-1], limits[0].shape, limits[1].shape]
-    try:
-        shape = np.broadcast_shapes(*leading)
-    except ValueError:
-        raise ValueError(
-            f"origins {points.shape}, directions {vectors.shape}, t_min {leading[2]} and t_max {leading[3]} "
-            "cannot be broadcast against each other"
-        ) from None
+    shape = broadcast_rays(points.shape, vectors.shape, limits[0].shape, limits[1].shape)
     count = math.prod(shape)
     rows = [_rows(points, (*shape, 3), (3,)), _rows(vectors, (*shape, 3), (3,))]
     rows += [_rows(limit, shape, ()) for limit in limits]
     return Rays(shape, (count, *rows))
 
 
+def broadcast_rays(
+    origins: tuple[int, ...], directions: tuple[int, ...], t_min: tuple[int, ...], t_max: tuple[int, ...]
+) -> tuple[int, ...]:
+    """The shape that rays of arrays of these shapes have."""
+    try:
+        return np.broadcast_shapes(origins[:-1], directions[:-1], t_min, t_max)
+    except ValueError:
+        raise ValueError(
+            f"origins {origins}, directions {directions}, t_min {t_min} and t_max {t_max} "
+            "cannot be broadcast against each other"
+        ) from None
+
+
+def _require_host(values: object, name: str) -> None:
+    if is_on_device(values):
+        raise TypeError(
+            f"{name} lies on a CUDA device and the rest on the host: copy it to the host, or move the tree "
+            "with bvh.to('cuda')"
+        )
+
+
 def _as_numbers(values: ArrayLike, name: str) -> np.ndarray[Any, np.dtype[Any]]:
+    _require_host(values, name)
     array = np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name} must hold real numbers, not {array.dtype}")

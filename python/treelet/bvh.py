@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._device import is_on_device
+from ._device import is_on_device, require_current_device
 from ._guard import UseGuard
 from ._inputs import FloatArray, as_faces, as_rays, as_recipe, as_vertices
 from .device_bvh import DeviceBvh, build_on_device, move_to_device
@@ -54,10 +54,15 @@ class Bvh:
     """
 
     def __init__(
-        self, core: _core.Bvh, vertex_rounding: float = 0.0, updatable: _core.UpdatableBvh | None = None
+        self,
+        core: _core.Bvh,
+        vertex_rounding: float = 0.0,
+        updatable: _core.UpdatableBvh | None = None,
+        *,
+        is_moved: bool = False,
     ) -> None:
         """Not for users: call `treelet.build`."""
-        self._core = core
+        self._core, self._is_moved = core, is_moved
         self._updatable = updatable
         self._guard = UseGuard() if updatable else None
         self._reading = self._guard.query if self._guard else nullcontext
@@ -161,6 +166,8 @@ class Bvh:
     def to(self, device: str, *, stream: Any = None) -> Bvh | DeviceBvh:
         """This tree elsewhere: "cuda" copies it to the current CUDA device and waits; "cpu" is where it is.
 
+        The current device's own name, as "cuda:0", is taken too. A copy cannot be updated.
+
         Raises:
             ValueError: for any other device.
             RuntimeError: where there is no CUDA device.
@@ -168,11 +175,16 @@ class Bvh:
         if device == "cpu":
             return self
         if device != "cuda":
-            raise ValueError(f"device must be 'cpu' or 'cuda', not {device!r}")
+            require_current_device(device)
         with self._reading():
             return move_to_device(self._core, stream)
 
     def _require_updatable(self) -> tuple[_core.UpdatableBvh, UseGuard]:
+        if self._is_moved:
+            raise RuntimeError(
+                "this tree was moved here from a CUDA device, and a moved tree cannot be updated: build it "
+                "from host arrays with treelet.build(vertices, faces, updatable=True)"
+            )
         if self._updatable is None or self._guard is None:
             raise RuntimeError(
                 "this tree cannot be updated: build it with treelet.build(vertices, faces, updatable=True)"
@@ -226,6 +238,7 @@ def build(
     *,
     updatable: bool = False,
     validate: bool = False,
+    stream: Any = None,
 ) -> Any:
     """Build a tree over a triangle mesh, where the mesh lies: on the CPU, or on a CUDA device.
 
@@ -242,22 +255,28 @@ def build(
         updatable: keep what `Bvh.refit` and `Bvh.rebuild` need: 12 bytes a face, and from the first rebuild
             on the memory that a build takes (`report.held_bytes`).
         validate: check the tree after every stage; about doubles the time.
+        stream: for arrays on a device: an address, a stream of torch or cupy, or anything with
+            `__cuda_stream__`; by default the current stream of the vertices' library.
 
     Arrays on a CUDA device (of torch, cupy, jax, numba or any library with `__cuda_array_interface__`) give a
     `treelet.DeviceBvh`, built there: vertices must be float32 and faces integers of 32 or 64 bits, both
-    contiguous. Work is enqueued on the current stream of their library, and waited for once.
+    contiguous. They are read in place, but faces of 64 bits are copied to 32 once. Work is enqueued on
+    `stream` and waited for once.
 
     Returns:
         A `treelet.Bvh`, or a `treelet.DeviceBvh` for arrays on a device.
 
     Raises:
         ValueError: for a wrong shape, a face index out of range (the first is named) or a bad recipe.
-        TypeError: for arrays that do not hold numbers, faces that are no integers, a recipe that is no text.
+        TypeError: for arrays that do not hold numbers, faces that are no integers, a recipe that is no text,
+            one array on the host and one on a device, a stream for arrays on the host.
         RuntimeError: where validation finds a violation, which is a bug in treelet; where CUDA fails, or has
             no version of a word of the recipe.
     """
     if is_on_device(vertices):
-        return build_on_device(vertices, faces, recipe, updatable=updatable, validate=validate)
+        return build_on_device(vertices, faces, recipe, updatable=updatable, validate=validate, stream=stream)
+    if stream is not None:
+        raise TypeError("stream is for arrays on a CUDA device, and the vertices lie on the host")
     points = as_vertices(vertices)
     corners = as_faces(faces, len(points.array))
     arguments = (points.array, corners, as_recipe(recipe), validate)

@@ -8,10 +8,11 @@ if not cuda.is_available():
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from . import _core
-from ._device import Array, copy_to_device
+from ._device import stream_address
+from ._device_results import Array, copy_to_device
 
 __all__ = [
     "Array",
@@ -20,6 +21,7 @@ __all__ = [
     "devices",
     "is_available",
     "is_compiled_in",
+    "release_memory",
     "synchronize",
     "why_unavailable",
 ]
@@ -54,10 +56,23 @@ def devices() -> list[Device]:
     return [Device(*facts) for facts in _core.cuda_devices()]
 
 
-def synchronize(stream: int = 0) -> None:
+def synchronize(stream: Any = None) -> None:
     """Wait for all work on a stream, by default the default one.
 
+    Args:
+        stream: an address, a stream of torch or cupy, or anything with `__cuda_stream__`.
+
     Raises:
+        TypeError: where it is none of these.
         RuntimeError: where there is no CUDA, or a kernel failed.
     """
-    _core.device_synchronize(stream)
+    _core.device_synchronize(stream_address(stream))
+
+
+def release_memory() -> None:
+    """Give back to the device what earlier builds freed: treelet keeps it for the next one otherwise.
+
+    Raises:
+        RuntimeError: where there is no CUDA.
+    """
+    _core.device_release_memory()

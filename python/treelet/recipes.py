@@ -1,4 +1,4 @@
-"""Recipes: one line of text names a builder, optimizers and a layout."""
+"""Recipes: one line of text names a splitter if you like, a builder, optimizers and a layout."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ class RecipeWord(NamedTuple):
 
     name: str
     kind: str
-    """builder, optimizer or layout: one builder comes first, any optimizers follow, a layout is last."""
+    """splitter, builder, optimizer or layout, in this order: at most one splitter, one builder, any
+    optimizers, at most one layout."""
     summary: str
     parameters: list[Parameter]
 
 
 def recipe_words() -> list[RecipeWord]:
-    """All words of recipes, builders first."""
+    """All words of recipes, splitters first, then builders, optimizers, layouts."""
     return [
         RecipeWord(name, kind, summary, [Parameter(*parameter) for parameter in parameters])
         for name, kind, summary, parameters in _core.recipe_words()

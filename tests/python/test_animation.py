@@ -82,6 +82,49 @@ def test_a_mesh_that_does_not_move_is_refused(tmp_path):
         load_animation(tmp_path / "still_anim.npz")
 
 
+@pytest.mark.parametrize(
+    ("arrays", "what"),
+    [
+        ({}, "numeric arrays `faces` and `vertices`"),
+        ({"faces": [[0, 1, 2]]}, "numeric arrays"),
+        ({"faces": [[0, 1, 2]], "vertices": [[["x"] * 3] * 3] * 2}, "numeric arrays"),
+        ({"faces": [[0, 1, 2]], "vertices": np.zeros((2, 3, 2))}, "two frames at least"),
+        ({"faces": [[0, 1, 2.5]], "vertices": np.zeros((2, 3, 3))}, "integers of shape"),
+        ({"faces": [0, 1, 2], "vertices": np.zeros((2, 3, 3))}, "integers of shape"),
+        ({"faces": [[0, 1, 3]], "vertices": np.zeros((2, 3, 3))}, "indices of the 3 vertices"),
+    ],
+)
+def test_a_file_that_is_no_animation_is_refused(tmp_path, arrays, what):
+    np.savez(tmp_path / "bad_anim.npz", **arrays)
+    with pytest.raises(ValueError, match=what):
+        load_animation(tmp_path / "bad_anim.npz")
+
+
+def test_a_file_that_is_no_archive_is_refused(tmp_path):
+    for content in (b"", b"not a zip file", b"PK\x03\x04 cut short"):
+        (tmp_path / "bad_anim.npz").write_bytes(content)
+        with pytest.raises(ValueError, match="numeric arrays"):
+            load_animation(tmp_path / "bad_anim.npz")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        (["bowl"], "no animation 'bowl'"),
+        (["--triangles", "7"], "'7' is not a whole number from 1000 to 50000000"),
+        (["--frames", "1"], "'1' is not a whole number of at least 2"),
+        (["--repeats", "0"], "'0' is not a whole number of at least 1"),
+        (["--width", "wide"], "'wide' is not a whole number"),
+        (["ball", "--output", "no/such/folder/x.jsonl"], "cannot write no/such/folder/x.jsonl: No such"),
+    ],
+)
+def test_bad_arguments_end_with_a_sentence(folder, capsys, arguments, what):
+    with pytest.raises(SystemExit) as end:
+        animation.main(arguments)
+    assert end.value.code == 2
+    assert what in capsys.readouterr().err.splitlines()[-1]
+
+
 def test_the_command_writes_measurements(folder, tmp_path, capsys):
     small = ["ball", "--width", "32", "--height", "20", "--repeats", "1"]
     animation.main([*small, "--output", str(tmp_path / "out.jsonl")])

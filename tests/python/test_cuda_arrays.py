@@ -1,7 +1,10 @@
-"""Arrays in device memory: in, out, and what is refused. Runs on a GPU, or on the emulated device."""
+"""Arrays in device memory: answers, and what is refused. Runs on a GPU, or on the emulated device."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from device_arrays import Foreign, build, on_device, random_rays
 from sample_meshes import random_triangles
 
 import treelet
@@ -17,18 +20,7 @@ def soup():
 
 @pytest.fixture(scope="module")
 def rays():
-    random = np.random.default_rng(5)
-    origins = random.uniform(-1, 2, (500, 3)).astype(np.float32)
-    return origins, (random.uniform(0, 1, (500, 3)) - origins).astype(np.float32)
-
-
-def on_device(values, dtype=None):
-    return cuda.copy_to_device(values, dtype)
-
-
-def build(soup, recipe="lbvh > treelet > bvh2", **options):
-    vertices, faces = soup
-    return treelet.build(on_device(vertices), on_device(faces, "uint32"), recipe, **options)
+    return random_rays()
 
 
 @pytest.mark.parametrize("recipe", ["lbvh > treelet > bvh2", "fast", "balanced"])
@@ -42,6 +34,9 @@ def test_answers_are_those_of_the_cpu(soup, rays, recipe):
     occluded = bvh.occluded(*map(on_device, rays)).numpy()
     np.testing.assert_array_equal(occluded, host.occluded(*rays))
     assert bvh.report.sah == host.report.sah
+    assert bvh.report.epo == host.report.epo
+    assert bvh.report.leaf_histogram == host.report.leaf_histogram
+    assert bvh.validate() == []
     np.testing.assert_array_equal(bvh.bounds, host.bounds)
 
 
@@ -96,8 +91,21 @@ def test_there_and_back(soup, rays):
     np.testing.assert_array_equal(back.intersect(*rays).t, host.intersect(*rays).t)
     assert back.report.recipe == host.report.recipe
     assert device.to("cuda") is device
-    with pytest.raises(ValueError, match="'cpu' or 'cuda'"):
-        device.to("gpu")
+    for tree in (host, device):
+        assert tree.to("cuda:0").device == "cuda:0"
+        for name in ("gpu", "cuda:", "cuda:x", None):
+            with pytest.raises(ValueError, match="'cpu' or 'cuda'"):
+                tree.to(name)
+        with pytest.raises(ValueError, match="not 'cuda:7'"):
+            tree.to("cuda:7")
+
+
+def test_moved_trees_cannot_be_updated(soup):
+    host = treelet.build(*soup, updatable=True).to("cuda")
+    device = build(soup, updatable=True).to("cpu")
+    for update in (host.refit, host.rebuild, device.refit, device.rebuild):
+        with pytest.raises(RuntimeError, match="a moved tree cannot be updated"):
+            update(soup[0])
 
 
 def test_rebuild_and_refit_follow_the_mesh(soup, rays):
@@ -123,17 +131,6 @@ def test_only_updatable_trees_are_updated(soup):
         build(soup, updatable=True).rebuild(on_device(soup[0][:-1]))
 
 
-class Strided:
-    """What a slice of another library's array says of itself."""
-
-    def __init__(self, array):
-        self._array = array
-
-    @property
-    def __cuda_array_interface__(self):
-        return self._array.__cuda_array_interface__ | {"strides": (24, 4), "shape": (3, 3)}
-
-
 def test_what_is_refused(soup, rays):
     vertices, faces = soup
     bvh = build(soup)
@@ -149,8 +146,8 @@ def test_what_is_refused(soup, rays):
     with pytest.raises(ValueError, match=r"shape \(F, 3\)"):
         treelet.build(on_device(vertices), on_device(faces[:, :2].copy(), "uint32"))
     with pytest.raises(ValueError, match="C-contiguous"):
-        bvh.intersect(Strided(origins), directions)
-    with pytest.raises(ValueError, match="one row for all 500 rays"):
+        bvh.intersect(Foreign(origins, strides=(24, 4), shape=(3, 3)), directions)
+    with pytest.raises(ValueError, match=r"origins \(7, 3\), directions \(500, 3\).* cannot be broadcast"):
         bvh.intersect(on_device(rays[0][:7]), directions)
     with pytest.raises(RuntimeError, match="'sweep' runs on the CPU alone"):
         build(soup, "sweep > bvh2")
@@ -162,22 +159,130 @@ def test_an_empty_mesh_is_missed_by_every_ray(rays):
     assert not bvh.occluded(*map(on_device, rays)).numpy().any()
 
 
-def test_outputs_speak_dlpack(soup, rays):
-    t = build(soup).intersect(*map(on_device, rays)).t
-    assert t.__dlpack_device__()[0] == 2  # CUDA
-    assert "dltensor" in repr(t.__dlpack__())
-    assert t.__cuda_array_interface__["shape"] == (500,)
+SHAPES = [
+    ((0, 3), (3,), ()),
+    ((3,), (1, 3), ()),
+    ((3,), (3,), (4,)),
+    ((1, 3), (0, 3), (0,)),
+    ((10, 5, 3), (1, 1, 3), (1,)),
+    ((50, 3), (1, 50, 3), ()),
+    ((2, 0, 3), (2, 0, 3), (1, 0)),
+]
 
 
-def test_any_stream_object(soup):
-    class Stream:
-        def __cuda_stream__(self):
-            return (0, 0)
+@pytest.mark.parametrize("shapes", SHAPES, ids=str)
+def test_shapes_are_those_of_the_host(soup, rays, shapes):
+    parts = [np.resize(part, shape) for part, shape in zip((*rays, np.float32(0.125)), shapes, strict=True)]
+    hits = build(soup).intersect(*map(on_device, parts))
+    expected = treelet.build(*soup).intersect(*parts)
+    assert hits.t.shape == expected.t.shape
+    np.testing.assert_array_equal(hits.t.numpy(), expected.t)
 
-    bvh = build(soup)
-    origin, direction = on_device(np.zeros((1, 3), np.float32)), on_device(np.ones((1, 3), np.float32))
-    expected = bvh.intersect(origin, direction).t.numpy()
-    for stream in (0, 1, Stream()):
-        np.testing.assert_array_equal(bvh.intersect(origin, direction, stream=stream).t.numpy(), expected)
-    with pytest.raises(TypeError, match="stream must be"):
-        bvh.intersect(origin, direction, stream="fast")
+
+@pytest.mark.parametrize(
+    ("shapes", "message"),
+    [
+        (((10, 5, 3), (50, 3)), r"origins \(10, 5, 3\), directions \(50, 3\).* cannot be broadcast"),
+        (((10, 5, 3), (5, 3)), r"directions \(5, 3\) must have one row.*broadcast it on the device first"),
+        (((5, 1, 3), (1, 5, 3)), r"origins \(5, 1, 3\) must have one row.*broadcast it on the device first"),
+        (((5, 4), (5, 3)), r"origins must have shape \(\.\.\., 3\)"),
+        (((), (5, 3)), r"origins must have shape \(\.\.\., 3\)"),
+    ],
+)
+def test_shapes_that_are_refused(soup, shapes, message):
+    with pytest.raises(ValueError, match=message):
+        build(soup).intersect(*(on_device(np.zeros(shape, np.float32)) for shape in shapes))
+
+
+NOT_VALID = [
+    ({"shape": ...}, "it has no 'shape'"),
+    ({"shape": None}, "NoneType"),
+    ({"shape": (-1, 3)}, "negative"),
+    ({"shape": ("1", 3)}, "str"),
+    ({"typestr": ...}, "it has no 'typestr'"),
+    ({"typestr": None}, "typestr must be text"),
+    ({"typestr": "<x9"}, "<x9"),
+    ({"data": ...}, "it has no 'data'"),
+    ({"data": None}, "has no address"),
+    ({"data": (None, False)}, "has no address"),
+    ({"data": ()}, "range"),
+    ({"data": ("0", False)}, "str"),
+    ({"strides": (4,)}, "shorter"),
+    ({"strides": 12}, "int"),
+    ({"stream": "fast"}, "stream must be"),
+]
+
+
+@pytest.mark.parametrize(("changes", "reason"), NOT_VALID, ids=str)
+def test_what_an_array_says_of_itself_is_checked(soup, rays, changes, reason):
+    bvh, origins = build(soup), on_device(rays[0])
+    with pytest.raises(ValueError, match=rf"origins: its __cuda_array_interface__ is not valid: .*{reason}"):
+        bvh.occluded(Foreign(origins, **changes), origins)
+
+
+def test_interface_that_is_none_is_not_valid(soup):
+    with pytest.raises(ValueError, match="origins: its __cuda_array_interface__ is not valid"):
+        build(soup).occluded(SimpleNamespace(__cuda_array_interface__=None), None)
+
+
+def test_memory_that_cannot_be_read_is_refused(soup, rays):
+    vertices, faces = on_device(soup[0]), on_device(soup[1], "int32")
+    bvh, origins = build(soup), on_device(rays[0])
+    address = origins.__cuda_array_interface__["data"][0]
+    with pytest.raises(ValueError, match="origins must begin at a multiple of 4 bytes"):
+        bvh.occluded(Foreign(origins, data=(address + 2, False), shape=(10, 3)), origins)
+    with pytest.raises(ValueError, match="origins must not have a mask"):
+        bvh.occluded(Foreign(origins, mask=origins), origins)
+    with pytest.raises(TypeError, match="origins must be float32 on the device, not >f4"):
+        bvh.occluded(Foreign(origins, typestr=">f4"), origins)
+    with pytest.raises(TypeError, match="faces must hold integers of 32 or 64 bits on the device, not >i4"):
+        treelet.build(vertices, Foreign(faces, typestr=">i4"))
+    with pytest.raises(ValueError, match="vertices has 4294967296 rows, but at most 4294967295"):
+        treelet.build(Foreign(vertices, shape=(2**32, 3)), faces)
+
+
+def test_empty_arrays_need_no_address(soup, rays):
+    empty = Foreign(on_device(np.empty((0, 3), np.float32)), data=(None, False))
+    assert build(soup).occluded(empty, empty).shape == (0,)
+    no_faces = Foreign(on_device(np.empty((0, 3), np.int32)), data=None)
+    bvh = treelet.build(on_device(soup[0]), no_faces, "lbvh > bvh2")
+    assert not bvh.occluded(*map(on_device, rays)).numpy().any()
+
+
+def test_host_and_device_do_not_mix(soup, rays):
+    vertices, faces = soup
+    host, device = treelet.build(vertices, faces, updatable=True), build(soup, updatable=True)
+    on_gpu = on_device(vertices)
+    for name, call in {
+        "origins": lambda: host.intersect(on_gpu, rays[1]),
+        "directions": lambda: host.occluded(rays[0], on_gpu),
+        "t_max": lambda: host.traversal_cost(*rays, t_max=on_gpu),
+        "vertices": lambda: host.refit(on_gpu),
+        "faces": lambda: treelet.build(vertices, on_device(faces, "int32")),
+    }.items():
+        with pytest.raises(TypeError, match=rf"{name} lies on a CUDA device.*bvh\.to\('cuda'\)"):
+            call()
+    with pytest.raises(TypeError, match=r"vertices lies on a CUDA device"):
+        host.validate(on_gpu, faces)
+    with pytest.raises(TypeError, match="faces must lie on the host, where validation runs"):
+        device.validate(vertices, on_device(faces, "int32"))
+    with pytest.raises(TypeError, match=r"vertices must lie on a CUDA device.*copy them there"):
+        device.refit(vertices)
+    with pytest.raises(TypeError, match=r"faces must lie on a CUDA device.*or the vertices to the host"):
+        treelet.build(on_gpu, faces)
+    with pytest.raises(TypeError, match="stream is for arrays on a CUDA device"):
+        treelet.build(vertices, faces, stream=0)
+    assert device.validate(vertices, faces) == []
+
+
+@pytest.mark.parametrize("limit", [None, [1.0, 2.0], np.ones(500, np.float32), "far", True, 1j])
+def test_limits_on_the_host_are_numbers(soup, rays, limit):
+    with pytest.raises(TypeError, match="t_max must be a number, or an array on the CUDA device"):
+        build(soup).occluded(*map(on_device, rays), t_max=limit)
+
+
+def test_limits_beyond_float32_are_infinite(soup, rays):
+    bvh, device_rays = build(soup), [on_device(part) for part in rays]
+    far = bvh.intersect(*device_rays, t_min=np.int64(-5), t_max=1e300).t.numpy()
+    expected = treelet.build(*soup).intersect(*rays, t_min=-5, t_max=1e300).t
+    np.testing.assert_array_equal(far, expected)

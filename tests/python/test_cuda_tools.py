@@ -1,12 +1,15 @@
-"""What surrounds the CUDA compiler: the list of kernels' resources, and requirements said twice."""
+"""What surrounds CUDA: the list of kernels' resources, requirements said twice, tests and measurements."""
 
 import importlib.util
 import json
+import re
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
+
+from treelet.bench import gpu as bench
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = "src/treelet/core/cuda_device.cu"  # logs of files that are no more are left out
@@ -36,6 +39,7 @@ def load_tool(name: str) -> ModuleType:
 
 keep_output = load_tool("keep_output")
 kernel_resources = load_tool("kernel_resources")
+gpu = load_tool("gpu")
 
 
 @pytest.fixture
@@ -119,3 +123,76 @@ def test_one_cuda_toolkit_is_required_everywhere():
     requirement = "cuda-toolkit[nvcc,cccl]==13.0.*"
     assert (ROOT / "pyproject.toml").read_text().count(f'"{requirement};') == 2
     assert f'"{requirement}"' in (ROOT / "cmake" / "TreeletCuda.cmake").read_text()
+
+
+@pytest.fixture
+def steps(monkeypatch):
+    """A step of make gpu that prints a measurement, and one that cannot run."""
+
+    def cannot(run):
+        raise gpu.CannotRunError("there is no such thing")
+
+    def echo(run):
+        run(sys.executable, "-c", """print('{"kind": 1}'); print('{no json')""")
+
+    monkeypatch.setattr(gpu, "STEPS", {"echo": echo, "cannot": cannot})
+
+
+def test_results_go_where_they_are_wanted(steps, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("OUT", str(tmp_path / "variable"))
+    assert gpu.main([]) == 0
+    assert gpu.main(["echo", "--out", str(tmp_path / "option")]) == 0
+    lines = (tmp_path / "variable" / "gpu.jsonl").read_text().splitlines()
+    assert [json.loads(line).get("outcome") for line in lines] == [None, "passed", "skipped"]
+    assert len((tmp_path / "option" / "gpu.jsonl").read_text().splitlines()) == 2
+    assert "{no json" in (tmp_path / "option" / "gpu.log").read_text()
+
+
+def test_a_folder_that_cannot_be_made_is_an_error(steps, tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(SystemExit) as end:
+        gpu.main(["--out", str(tmp_path / "file" / "folder")])
+    assert end.value.code == 2
+    assert "cannot write to" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        (["--scenes", "city,citty"], "unknown scene 'citty'; did you mean 'city'?"),
+        (["--triangles", "10000,0"], "'0' is not a whole number from 1000 to 50000000"),
+        (["--triangles", ""], "'' is not a whole number"),
+        (["--repeats", "0"], "'0' is not a whole number of at least 1"),
+        (["--width", "-3"], "'-3' is not a whole number of at least 16"),
+        (["--output", "no/such/folder/x.jsonl"], "cannot write no/such/folder/x.jsonl: No such"),
+    ],
+)
+def test_bad_arguments_of_the_benchmark_end_with_a_sentence(capsys, arguments, what):
+    with pytest.raises(SystemExit) as end:
+        bench.main(arguments)
+    assert end.value.code == 2
+    assert what in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_stages_that_nothing_is_known_of_have_no_bandwidth():
+    report = SimpleNamespace(faces=10, references=13, bytes=100, sah=1.0, nodes=1, depth=1)
+    samples = [
+        {"survey the mesh": 2.0, "pack bvh8": seconds, "collapse": 0.0, "dream": 1.0} for seconds in (1, 2, 3)
+    ]
+    details = bench._stage_details(samples, report)
+    survey, pack, collapse, dream = details["stages"]
+    assert survey["bytes"] == 18 * 10
+    assert pack["bytes"] == (64 + 32 + 18) * 13 + 100
+    assert pack["bytes_per_second"] == pack["bytes"] / 2
+    assert collapse == {"name": "collapse", "seconds": 0.0}
+    assert dream == {"name": "dream", "seconds": 1.0}
+    assert details["million_triangles_per_second"] == 10 / 5 / 1e6
+    still = bench._stage_details([{"collapse": 0.0}], report)
+    assert still["million_triangles_per_second"] == 0.0
+
+
+def test_every_stage_of_a_device_build_has_its_bytes():
+    sources = [ROOT / "src" / "treelet" / "pipeline" / name for name in ("device_build.cu", "device_bvh.cu")]
+    names = {name for source in sources for name in re.findall(r'begin\("([^"]+)"\)', source.read_text())}
+    assert len(names) > 8
+    assert names == set(bench.STAGE_BYTES)

@@ -3,7 +3,7 @@
     python -m treelet.bench.animation --output animation.jsonl
 
 Without names it takes the waving terrain, which needs no files, and every NAME_anim.npz in the folder that
-TREELET_SCENES names: `faces` (F, 3) and `vertices` (K, V, 3). Each line is a `Measurement`: for every frame
+TREELET_SCENES names (docs/benchmarks.md has the format). Each line is a `Measurement`: for every frame
 and every way an update (kind "refit" or "rebuild") and the tracing of diffuse rays (kind "diffuse").
 """
 
@@ -19,15 +19,17 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
 import treelet
+from treelet.bench.arguments import open_output, whole_number
 from treelet.bench.records import Measurement
 from treelet.mesh import Mesh
 from treelet.render.rays import Rays, diffuse_rays, primary_rays
 from treelet.scenes import external
-from treelet.scenes.catalog import make
+from treelet.scenes.catalog import FEWEST_TRIANGLES, MOST_TRIANGLES, make
 from treelet.view import View, automatic_view
 
 WAVING_TERRAIN = "waving_terrain"
@@ -129,12 +131,23 @@ def waving_terrain(triangles: int, frames: int) -> Animation:
 def load_animation(path: Path) -> Animation:
     """Read NAME_anim.npz; the view is the first camera of the scene NAME beside it, or an automatic one."""
     name = path.name.removesuffix(_SUFFIX)
-    with np.load(path, allow_pickle=False) as arrays:
-        faces, frames = arrays["faces"], arrays["vertices"].astype(np.float32, copy=False)
-    if frames.ndim != 3 or len(frames) < 2:
+    faces, frames = _read_arrays(path)
+    if frames.ndim != 3 or frames.shape[2] != 3 or len(frames) < 2:
         raise ValueError(f"{path}: vertices must have shape (K, V, 3) with two frames at least")
+    if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
+        raise ValueError(f"{path}: faces must be integers of shape (F, 3)")
+    if faces.size and not 0 <= faces.min() <= faces.max() < frames.shape[1]:
+        raise ValueError(f"{path}: faces must be indices of the {frames.shape[1]} vertices")
     views = external.load_external(name).views if name in external.external_names() else ()
     return Animation(name, faces, frames, views[0] if views else automatic_view(frames[0], faces))
+
+
+def _read_arrays(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            return arrays["faces"], arrays["vertices"].astype(np.float32, copy=False)
+    except (KeyError, TypeError, ValueError, EOFError, BadZipFile) as error:
+        raise ValueError(f"{path} is no .npz file with numeric arrays `faces` and `vertices`") from error
 
 
 def find_animations(names: Sequence[str], triangles: int, frames: int) -> Iterator[Animation]:
@@ -144,10 +157,15 @@ def find_animations(names: Sequence[str], triangles: int, frames: int) -> Iterat
         found = sorted(folder.glob("*" + _SUFFIX)) if os.environ.get(external.VARIABLE) else []
         names = [WAVING_TERRAIN, *(path.name.removesuffix(_SUFFIX) for path in found)]
     for name in names:
+        path = folder / (name + _SUFFIX)
         if name == WAVING_TERRAIN:
             yield waving_terrain(triangles, frames)
+        elif path.exists():
+            yield load_animation(path)
         else:
-            yield load_animation(folder / (name + _SUFFIX))
+            raise FileNotFoundError(
+                f"no animation {name!r}: it is not {WAVING_TERRAIN}, and {path} is not there"
+            )
 
 
 def _time_updates(subjects: Sequence[_Subject], mesh: Mesh, repeats: int) -> None:
@@ -196,25 +214,35 @@ def _records(subject: _Subject, mesh: Mesh, rays: Rays, frame: int) -> Iterator[
     yield Measurement(kind="diffuse", samples=subject.traces, rays=len(rays), details=per_ray, **common)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """The command."""
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m treelet.bench.animation", description="Refit against rebuild, frame by frame."
     )
     parser.add_argument(
         "names", nargs="*", help=f"{WAVING_TERRAIN}, or NAME of NAME{_SUFFIX}; all by default"
     )
-    parser.add_argument("--triangles", type=int, default=200_000, help=f"of {WAVING_TERRAIN}")
-    parser.add_argument("--frames", type=int, default=16, help=f"of {WAVING_TERRAIN}")
-    parser.add_argument("--width", type=int, default=Plan.width)
-    parser.add_argument("--height", type=int, default=Plan.height)
-    parser.add_argument("--repeats", type=int, default=Plan.repeats)
+    triangles = whole_number(FEWEST_TRIANGLES, MOST_TRIANGLES)
+    parser.add_argument("--triangles", type=triangles, default=200_000, help=f"of {WAVING_TERRAIN}")
+    parser.add_argument("--frames", type=whole_number(2), default=16, help=f"of {WAVING_TERRAIN}")
+    parser.add_argument("--width", type=whole_number(1), default=Plan.width)
+    parser.add_argument("--height", type=whole_number(1), default=Plan.height)
+    parser.add_argument("--repeats", type=whole_number(1), default=Plan.repeats)
     parser.add_argument("--output", type=Path, help="a file instead of the standard output")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """The command."""
+    parser = _parser()
     options = parser.parse_args(arguments)
     plan = Plan(width=options.width, height=options.height, repeats=options.repeats)
-    output = options.output.open("w", encoding="utf-8") if options.output else nullcontext(sys.stdout)
+    try:
+        animations = list(find_animations(options.names, options.triangles, options.frames))
+    except (OSError, ValueError) as error:
+        parser.error(str(error))
+    output = open_output(parser, options.output, "w") if options.output else nullcontext(sys.stdout)
     with output as lines:
-        for animation in find_animations(options.names, options.triangles, options.frames):
+        for animation in animations:
             for measurement in measure(animation, plan):
                 lines.write(json.dumps(measurement.as_dict(), allow_nan=False) + "\n")
                 lines.flush()

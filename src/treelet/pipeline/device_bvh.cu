@@ -156,7 +156,6 @@ class DeviceBvh::Impl {
     report.left_out_non_finite = outcome.scene.left_out_non_finite;
     report.left_out_degenerate = outcome.scene.left_out_degenerate;
     report.sah = outcome.sah;
-    report.update.refits = 0;
     depth = outcome.size.depth;
     has_statistics = false;
   }
