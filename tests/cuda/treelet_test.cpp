@@ -62,7 +62,7 @@ class DeviceTreeletsOfMeshes : public testing::TestWithParam<test::NamedMesh> {
 INSTANTIATE_TEST_SUITE_P(Meshes, DeviceTreeletsOfMeshes, testing::ValuesIn(test::hard_meshes()),
                          test::mesh_name);
 
-TEST_P(DeviceTreeletsOfMeshes, AreTheHostsOfAllSizes) {
+TEST_P(DeviceTreeletsOfMeshes, SlowAreTheHostsOfAllSizes) {
   const BinaryTree built = build_lbvh(references_), scrambled = test::random_tree(references_, 501);
   for (int size = kMinTreeletSize; size <= kMaxTreeletSize; ++size) {
     expect_as_on_host(built, {.size = size, .rounds = 2});
