@@ -179,7 +179,7 @@ TEST_P(DevicePackSplit, CostsWhatTheHostSays) {
   }
 }
 
-TEST(DeviceFaceCounts, AreTheHostsWhereverThePiecesLie) {
+TEST(DeviceFaceCounts, SlowAreTheHostsWhereverThePiecesLie) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const test::OwnedMesh mesh = test::triangle_soup(40, seed);
@@ -209,7 +209,7 @@ TEST(DeviceFaceCounts, OfNodesAboveTheCutAreTheHostsInAnyOrderOfThreads) {
 }
 
 /// A leaf may have more pieces than any stack has room for.
-TEST(DevicePackSplitOfManyPieces, InALeafIsTheHosts) {
+TEST(DevicePackSplitOfManyPieces, SlowInALeafIsTheHosts) {
   const test::OwnedMesh mesh = test::giant_and_tiny(20, 13);
   const References references = split(mesh, 20'000);
   ASSERT_GT(references.size(), 2'000u);
@@ -222,7 +222,7 @@ TEST(DevicePackSplitOfManyPieces, InALeafIsTheHosts) {
   }
 }
 
-TEST(DevicePackSplitOfLargeTrees, WithNodesAboveTheCutIsTheHosts) {
+TEST(DevicePackSplitOfLargeTrees, SlowWithNodesAboveTheCutIsTheHosts) {
   const test::OwnedMesh mesh = test::triangle_soup(6'000, 15);
   const References references = split(mesh, 30);
   for (const BinaryTree& tree : {build_lbvh(references), test::random_tree(references, 16)}) {

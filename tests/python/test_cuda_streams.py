@@ -42,7 +42,7 @@ def test_outputs_speak_dlpack(soup, rays):
 def waits(monkeypatch):
     """The streams that were waited for, in order."""
     streams = []
-    monkeypatch.setattr(_core, "device_synchronize", streams.append)
+    monkeypatch.setattr(_core, "device_synchronize", lambda stream, device=-1: streams.append(stream))
     return streams
 
 
