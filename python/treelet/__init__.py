@@ -7,14 +7,18 @@ t, face, u, v = bvh.intersect(origins, directions)  # (..., 3) floats each
 shadowed = bvh.occluded(origins, directions)
 """
 
+from typing import TYPE_CHECKING, Any
+
 from . import cuda
 from ._core import __version__, set_thread_count, thread_count
 from ._inputs import PrecisionWarning
 from .bvh import Bvh, Hits, Work, build, intersect_brute_force
 from .device_bvh import DeviceBvh
-from .mesh import Mesh, load_mesh
 from .recipes import Parameter, RecipeWord, parse_recipe, presets, recipe_words
 from .report import Report, Stage
+
+if TYPE_CHECKING:
+    from .mesh import Mesh, load_mesh
 
 __all__ = [
     "Bvh",
@@ -38,3 +42,16 @@ __all__ = [
     "set_thread_count",
     "thread_count",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    # Half of what importing treelet would cost beside numpy, for those who bring arrays of their own.
+    if name in ("Mesh", "load_mesh"):
+        from . import mesh
+
+        return getattr(mesh, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*globals(), "Mesh", "load_mesh"]

@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <treelet/core/cuda_check.cuh>
+
 #if __has_include(<emulator/control.h>)
 #include <emulator/control.h>
 #endif
 
 #include <string>
+
+#include "support/errors.h"
 
 namespace treelet::cuda {
 namespace {
@@ -35,6 +39,8 @@ TEST(CudaDevice, OfWhichThereIsNoneIsAnAnswer) {
   EXPECT_FALSE(is_available());
   EXPECT_NE(why_unavailable().find("no GPU"), std::string::npos) << why_unavailable();
   EXPECT_TRUE(devices().empty());
+  EXPECT_EQ(test::error_of<CudaError>([] { check(cudaErrorNoDevice, "hum"); }),
+            "could not hum: " + why_unavailable());
 }
 #endif
 

@@ -69,6 +69,23 @@ class DeviceInput {
   cuda::DeviceArray<cuda::DeviceScene> scene_;
 };
 
+/// A mesh in device memory with the references of the host, as after a split of triangles.
+class SplitDeviceInput {
+ public:
+  SplitDeviceInput(const OwnedMesh& mesh, const References& references)
+      : input_(mesh), split_(upload_all(std::span<const Reference>(references.items))) {}
+
+  cuda::DeviceReferences references() const {
+    cuda::DeviceReferences references = input_.references();
+    references.split = split_.data();
+    return references;
+  }
+
+ private:
+  DeviceInput input_;
+  cuda::DeviceArray<Reference> split_;
+};
+
 /// The Morton order of references, in device memory of its own.
 class SortedReferences {
  public:

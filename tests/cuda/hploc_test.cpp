@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <span>
 #include <stdexcept>
 #include <string>
 
+#include "cuda/device_builds.h"
 #include "cuda/device_input.h"
 #include "cuda/schedules.h"
 #include "support/errors.h"
@@ -16,20 +16,9 @@ namespace treelet::cuda {
 namespace {
 
 using test::DeviceInput;
-using test::kStream;
-
-BinaryTree build_on_device(const DeviceReferences& references, const HplocConfig& config) {
-  const test::SortedReferences sorted(references);
-  const test::DeviceTreeRoom room(references);
-  DeviceArray<std::byte> block;
-  const HplocScratch scratch = test::carve(
-      block, [&](Carver& carver) { return carve_hploc_scratch(carver, references.capacity); });
-  build_hploc(references, sorted.order(), config, scratch, room.tree(), kStream);
-  return room.download();
-}
 
 BinaryTree build_on_device(const test::OwnedMesh& mesh, const HplocConfig& config) {
-  return build_on_device(DeviceInput(mesh).references(), config);
+  return test::build_hploc_on_device(DeviceInput(mesh).references(), config);
 }
 
 BinaryTree build_on_host(const test::OwnedMesh& mesh, const HplocConfig& config) {
@@ -74,12 +63,9 @@ TEST(DeviceHploc, OfFewTrianglesIsTheHosts) {
 TEST(DeviceHploc, OfSplitReferencesIsTheHosts) {
   const test::OwnedMesh mesh = test::soup_with_bad_faces(3000, 522);
   const References references = create_references(mesh.view());
-  const DeviceInput input(mesh);
-  const DeviceArray<Reference> split =
-      test::upload_all(std::span<const Reference>(references.items));
-  DeviceReferences view = input.references();
-  view.split = split.data();
-  EXPECT_TRUE(test::equal_bytes(build_on_device(view, {}), treelet::build_hploc(references)));
+  const test::SplitDeviceInput input(mesh, references);
+  EXPECT_TRUE(test::equal_bytes(test::build_hploc_on_device(input.references()),
+                                treelet::build_hploc(references)));
 }
 
 TEST(DeviceHploc, OfTheGoodFacesIsNotDisturbedByBadIndices) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "cuda/device_builds.h"
 #include "cuda/device_input.h"
 #include "cuda/schedules.h"
 #include "support/mesh_params.h"
@@ -14,20 +15,9 @@ namespace treelet::cuda {
 namespace {
 
 using test::DeviceInput;
-using test::kStream;
-
-BinaryTree build_on_device(const DeviceReferences& references) {
-  const test::SortedReferences sorted(references);
-  const test::DeviceTreeRoom room(references);
-  DeviceArray<std::byte> block;
-  const LbvhScratch scratch = test::carve(
-      block, [&](Carver& carver) { return carve_lbvh_scratch(carver, references.capacity); });
-  build_lbvh(references, sorted.order(), scratch, room.tree(), kStream);
-  return room.download();
-}
 
 BinaryTree build_on_device(const test::OwnedMesh& mesh) {
-  return build_on_device(DeviceInput(mesh).references());
+  return test::build_lbvh_on_device(DeviceInput(mesh).references());
 }
 
 BinaryTree build_on_host(const test::OwnedMesh& mesh) {
@@ -58,12 +48,9 @@ TEST(DeviceLbvh, OfFewTrianglesIsTheHosts) {
 TEST(DeviceLbvh, OfSplitReferencesIsTheHosts) {
   const test::OwnedMesh mesh = test::soup_with_bad_faces(3000, 222);
   const References references = create_references(mesh.view());
-  const DeviceInput input(mesh);
-  const DeviceArray<Reference> split =
-      test::upload_all(std::span<const Reference>(references.items));
-  DeviceReferences view = input.references();
-  view.split = split.data();
-  EXPECT_TRUE(test::equal_bytes(build_on_device(view), treelet::build_lbvh(references)));
+  const test::SplitDeviceInput input(mesh, references);
+  EXPECT_TRUE(test::equal_bytes(test::build_lbvh_on_device(input.references()),
+                                treelet::build_lbvh(references)));
 }
 
 TEST(DeviceLbvh, OfTheGoodFacesIsNotDisturbedByBadIndices) {

@@ -83,11 +83,8 @@ TEST(DeviceMortonOrder, SortsSplitReferencesAsTheHost) {
   const test::OwnedMesh mesh = test::soup_with_bad_faces(500, 212);
   const References references = create_references(mesh.view());
   const MortonOrder expected = treelet::sort_along_morton_curve(references);
-  const DeviceInput input(mesh);
-  const DeviceArray<Reference> split =
-      test::upload_all(std::span<const Reference>(references.items));
-  DeviceReferences view = input.references();
-  view.split = split.data();
+  const test::SplitDeviceInput input(mesh, references);
+  const DeviceReferences view = input.references();
   ASSERT_LT(references.size(), view.capacity);
   const SortedReferences sorted(view);
   const Order order = download_order(sorted.order(), view.capacity);

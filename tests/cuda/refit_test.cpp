@@ -124,11 +124,8 @@ TEST(DeviceRefit, TakesTheBoxesOfSplitReferences) {
   const test::OwnedMesh mesh = test::soup_with_bad_faces(1000, 234);
   const References references = create_references(mesh.view());
   const BinaryTree tree = test::random_tree(references, 235);
-  const DeviceInput input(mesh);
-  const DeviceArray<Reference> split =
-      test::upload_all(std::span<const Reference>(references.items));
-  DeviceReferences view = input.references();
-  view.split = split.data();
+  const test::SplitDeviceInput input(mesh, references);
+  const DeviceReferences view = input.references();
   const CutTree device(view, without_boxes(tree));
   refit(device.tree(), device.cut(), view, kStream);
   EXPECT_TRUE(test::equal_bytes(device.download(), tree));

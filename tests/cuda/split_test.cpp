@@ -4,12 +4,12 @@
 #include <treelet/build/hploc.h>
 #include <treelet/build/lbvh.h>
 #include <treelet/primitive/split_steps.h>
-#include <treelet/tree/validate.h>
 
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "cuda/device_builds.h"
 #include "cuda/device_input.h"
 #include "cuda/schedules.h"
 #include "support/mesh_params.h"
@@ -79,27 +79,6 @@ testing::AssertionResult splits_as_the_host(const OwnedMesh& mesh, std::uint32_t
   return equal_references(SplitInput(mesh, percent).items(), split_on_host(mesh, percent).items);
 }
 
-BinaryTree build_lbvh_on_device(const DeviceReferences& references) {
-  const test::SortedReferences sorted(references);
-  const test::DeviceTreeRoom room(references);
-  DeviceArray<std::byte> block;
-  const LbvhScratch scratch = test::carve(
-      block, [&](Carver& carver) { return carve_lbvh_scratch(carver, references.capacity); });
-  build_lbvh(references, sorted.order(), scratch, room.tree(), kStream);
-  EXPECT_EQ(validate(room.tree(), references, kStream), std::vector<std::string>{});
-  return room.download();
-}
-
-BinaryTree build_hploc_on_device(const DeviceReferences& references) {
-  const test::SortedReferences sorted(references);
-  const test::DeviceTreeRoom room(references);
-  DeviceArray<std::byte> block;
-  const HplocScratch scratch = test::carve(
-      block, [&](Carver& carver) { return carve_hploc_scratch(carver, references.capacity); });
-  build_hploc(references, sorted.order(), {}, scratch, room.tree(), kStream);
-  return room.download();
-}
-
 class DeviceSplitOfMeshes : public testing::TestWithParam<test::NamedMesh> {
  protected:
   const OwnedMesh& mesh_ = GetParam().mesh;
@@ -125,9 +104,9 @@ TEST_P(DeviceSplitOfMeshes, GivesTheTreesOfTheHost) {
     SCOPED_TRACE(std::to_string(percent) + " percent");
     const References references = split_on_host(mesh_, percent);
     const SplitInput input(mesh_, percent);
-    EXPECT_TRUE(test::equal_bytes(build_lbvh_on_device(input.references()),
+    EXPECT_TRUE(test::equal_bytes(test::build_lbvh_on_device(input.references()),
                                   treelet::build_lbvh(references)));
-    EXPECT_TRUE(test::equal_bytes(build_hploc_on_device(input.references()),
+    EXPECT_TRUE(test::equal_bytes(test::build_hploc_on_device(input.references()),
                                   treelet::build_hploc(references)));
   }
 }

@@ -63,7 +63,7 @@ __device__ void visit_all(const BinaryNode* nodes, std::uint32_t min_count,
 __global__ void report_levels(const BinaryNode* nodes, std::uint32_t min_count, Report report) {
   __shared__ SubtreeLevels levels;
   const auto keep = [=](const BinaryNode& node) { return node.count >= min_count; };
-  list_levels(nodes, kRoot, [](const BinaryNode&) { return true; }, levels);
+  list_levels(nodes, kRoot, KeepAll{}, levels);
   list_levels(nodes, kRoot, keep, levels);
   copy_levels(levels, report);
   visit_all(nodes, min_count, levels, report);

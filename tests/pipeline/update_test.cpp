@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "support/errors.h"
+#include "support/layouts.h"
 #include "support/mesh_rays.h"
 #include "support/meshes.h"
 #include "support/recipes.h"
@@ -25,27 +26,6 @@ namespace treelet {
 namespace {
 
 using Sentences = std::vector<std::string>;
-
-template <class T>
-bool equal_bytes(const Array<T>& a, const Array<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.bytes()) == 0);
-}
-bool equal(const Bvh2& a, const Bvh2& b) {
-  return equal_bytes(a.nodes, b.nodes) && equal_bytes(a.triangles, b.triangles) &&
-         a.bounds == b.bounds && a.depth == b.depth;
-}
-bool equal(const Bvh8& a, const Bvh8& b) {
-  return equal_bytes(a.nodes, b.nodes) && equal_bytes(a.blocks, b.blocks) && a.bounds == b.bounds &&
-         a.depth == b.depth && a.triangle_count == b.triangle_count;
-}
-bool equal(const Bvh& a, const Bvh& b) {
-  return std::visit(
-      [&](const auto& layout) {
-        const auto* other = std::get_if<std::decay_t<decltype(layout)>>(&b.layout);
-        return other != nullptr && equal(layout, *other);
-      },
-      a.layout);
-}
 
 /// The facts of a report that are no times.
 std::vector<double> facts(const BuildReport& report) {
@@ -84,7 +64,7 @@ TEST(UpdatableBvh, IsBuiltLikeAnyTree) {
   for (const std::string& recipe : test::every_recipe()) {
     const UpdatableBvh tree(mesh.view(), recipe);
     const Bvh expected = build(mesh.view(), recipe);
-    EXPECT_TRUE(equal(tree.bvh(), expected)) << recipe;
+    EXPECT_TRUE(test::equal_bytes(tree.bvh(), expected)) << recipe;
     EXPECT_EQ(facts(tree.bvh().report), facts(expected.report)) << recipe;
     EXPECT_EQ(tree.bvh().report.update.refits, 0u);
     EXPECT_EQ(tree.bvh().report.update.sah, expected.report.tree.sah);
@@ -100,7 +80,7 @@ TEST(UpdatableBvh, ARebuildIsANewBuild) {
       if (number == 2) tree.refit(frame(mesh, 5).vertices);
       tree.rebuild(moved.vertices);
       const Bvh expected = build(moved.view(), recipe);
-      EXPECT_TRUE(equal(tree.bvh(), expected)) << recipe << ", frame " << number;
+      EXPECT_TRUE(test::equal_bytes(tree.bvh(), expected)) << recipe << ", frame " << number;
       EXPECT_EQ(facts(tree.bvh().report), facts(expected.report)) << recipe;
       EXPECT_EQ(tree.bvh().report.recipe, expected.report.recipe);
       EXPECT_EQ(tree.bvh().report.update.refits, 0u);
@@ -126,7 +106,8 @@ TEST(UpdatableBvh, ARebuildDoesNotReadWhatTheLastOneLeft) {
         }
       }
       const std::size_t before = arena->bytes();
-      EXPECT_TRUE(equal(build(mesh.view(), recipe), expected)) << recipe << ", " << garbage;
+      EXPECT_TRUE(test::equal_bytes(build(mesh.view(), recipe), expected))
+          << recipe << ", " << garbage;
       EXPECT_LT(arena->bytes() - before, before / 10);
     }
   }
@@ -152,7 +133,7 @@ TEST(UpdatableBvh, ARefitAnswersLikeBruteForce) {
       EXPECT_GT(report.update.seconds, 0.0);
     }
     EXPECT_EQ(tree.bvh().report.update.refits, 3u);
-    EXPECT_TRUE(equal(tree.bvh(), build(mesh.view(), recipe)));
+    EXPECT_TRUE(test::equal_bytes(tree.bvh(), build(mesh.view(), recipe)));
   }
 }
 
@@ -213,7 +194,7 @@ TEST(UpdatableBvh, HardMeshesCanBeUpdated) {
       tree.rebuild(point);
       EXPECT_EQ(tree.bvh().report.references, 0u);
       tree.rebuild(mesh.vertices);
-      EXPECT_TRUE(equal(tree.bvh(), build(mesh, recipe)));
+      EXPECT_TRUE(test::equal_bytes(tree.bvh(), build(mesh, recipe)));
     }
   }
 }
@@ -227,7 +208,7 @@ TEST(UpdatableBvh, AnotherNumberOfVerticesIsAnErrorAndChangesNothing) {
       "vertices, it neither adds nor removes any";
   EXPECT_EQ(test::error_of([&] { tree.refit(fewer); }), expected);
   EXPECT_EQ(test::error_of([&] { tree.rebuild(fewer); }), expected);
-  EXPECT_TRUE(equal(tree.bvh(), build(mesh.view())));
+  EXPECT_TRUE(test::equal_bytes(tree.bvh(), build(mesh.view())));
   EXPECT_EQ(tree.bvh().report.update.refits, 0u);
 }
 
@@ -240,7 +221,7 @@ TEST(UpdatableBvh, KeepsItsOwnFacesAndMoves) {
   UpdatableBvh tree = std::move(built);
   tree.rebuild(vertices);
   tree.refit(vertices);
-  EXPECT_TRUE(equal(tree.bvh(), expected));
+  EXPECT_TRUE(test::equal_bytes(tree.bvh(), expected));
 }
 
 std::size_t held_bytes(const UpdatableBvh& tree) { return tree.bvh().report.update.held_bytes; }
@@ -282,7 +263,7 @@ TEST(UpdatableBvh, GivesTheSameBytesForAnyNumberOfThreads) {
     UpdatableBvh tree(mesh.view());
     tree.rebuild(mesh.vertices);
     tree.refit(moved.vertices);
-    EXPECT_TRUE(equal(tree.bvh(), expected.bvh())) << threads;
+    EXPECT_TRUE(test::equal_bytes(tree.bvh(), expected.bvh())) << threads;
     EXPECT_EQ(tree.bvh().report.update.sah, expected.bvh().report.update.sah) << threads;
   }
 }

@@ -10,7 +10,7 @@ from treelet import _core
 
 
 def test_import_is_light():
-    heavy = ["matplotlib", "typer", "rich", "trimesh", "PIL", "scipy", "embreex"]
+    heavy = ["matplotlib", "typer", "rich", "trimesh", "PIL", "scipy", "embreex", "treelet.mesh"]
     code = f"import sys, treelet; print([name for name in {heavy} if name in sys.modules])"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
@@ -20,6 +20,12 @@ def test_public_names_exist():
     assert sorted(treelet.__all__) == treelet.__all__
     assert all(hasattr(treelet, name) for name in treelet.__all__)
     assert all(getattr(treelet, name).__doc__ for name in treelet.__all__ if name != "__version__")
+
+
+def test_public_names_are_listed_before_they_are_imported():
+    code = "import treelet; print(set(treelet.__all__) - set(dir(treelet)), hasattr(treelet, 'Mash'))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.split() == ["set()", "False"]
 
 
 def test_package_is_typed():

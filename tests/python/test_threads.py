@@ -1,12 +1,11 @@
 """Trees are queried from many threads, and other Python threads run meanwhile."""
 
-import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from sample_rays import mixed_rays
+from other_threads import ticks_during
+from sample_rays import as_bytes, mixed_rays
 
 import treelet
 from treelet import scenes
@@ -32,10 +31,6 @@ def restore_threads():
     before = treelet.thread_count()
     yield
     treelet.set_thread_count(before)
-
-
-def as_bytes(arrays):
-    return b"".join(array.tobytes() for array in arrays)
 
 
 def test_same_answers_for_any_number_of_threads(bvh, rays):
@@ -130,14 +125,3 @@ def test_other_python_threads_run_meanwhile(mesh, rays, name):
     while (ticks := ticks_during(LONG_CALLS[name](mesh, rays, size))) < 10 and size < 16:
         size *= 2
     assert ticks >= 10
-
-
-def ticks_during(function):
-    """How often this thread wakes up from a sleep of a millisecond while another runs the function."""
-    worker = threading.Thread(target=function)
-    worker.start()
-    ticks = 0
-    while worker.is_alive():
-        time.sleep(0.001)
-        ticks += worker.is_alive()
-    return ticks

@@ -6,8 +6,9 @@ import time
 
 import numpy as np
 import pytest
+from other_threads import ticks_during
 from sample_meshes import TRIANGLE_FACES, TRIANGLE_VERTICES, grid, random_triangles
-from sample_rays import crossing_rays, mixed_rays
+from sample_rays import as_bytes, crossing_rays, mixed_rays
 
 import treelet
 from treelet import scenes
@@ -26,10 +27,6 @@ def moved(vertices, frame):
     amount = 0.1 * frame
     bent = np.stack([x + amount * np.sin(5 * y + frame), y + amount * z, z + amount * np.cos(4 * x)], axis=1)
     return bent.astype(np.float32)
-
-
-def as_bytes(arrays):
-    return b"".join(array.tobytes() for array in arrays)
 
 
 def assert_brute_force(bvh, vertices, faces, seed=3, count=300):
@@ -338,14 +335,3 @@ def test_other_python_threads_run_during_an_update(city):
             if ticks >= 5:
                 break
         assert ticks >= 5
-
-
-def ticks_during(function):
-    """How often this thread wakes up from a sleep of a millisecond while another runs the function."""
-    worker = threading.Thread(target=function)
-    worker.start()
-    ticks = 0
-    while worker.is_alive():
-        time.sleep(0.001)
-        ticks += worker.is_alive()
-    return ticks

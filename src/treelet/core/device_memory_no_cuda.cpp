@@ -1,15 +1,8 @@
 #include <treelet/core/device_memory.h>
 
-#include <treelet/core/cuda_error.h>
+#include <treelet/core/no_cuda.h>
 
 namespace treelet::cuda {
-namespace {
-
-[[noreturn]] void throw_no_cuda() {
-  throw CudaError("this build of treelet has no CUDA: build it with TREELET_CUDA=ON");
-}
-
-}  // namespace
 
 void* allocate_device_bytes(std::size_t, Stream) { throw_no_cuda(); }
 void free_device_bytes(void*, Stream) noexcept {}

@@ -1,15 +1,8 @@
 #include <treelet/core/device_scope.h>
 
-#include <treelet/core/cuda_error.h>
+#include <treelet/core/no_cuda.h>
 
 namespace treelet::cuda {
-namespace {
-
-[[noreturn]] void throw_no_cuda() {
-  throw CudaError("this build of treelet has no CUDA: build it with TREELET_CUDA=ON");
-}
-
-}  // namespace
 
 int current_device() { throw_no_cuda(); }
 int device_of(const void*, const char*) { throw_no_cuda(); }

@@ -1,12 +1,11 @@
-#include <treelet/core/cuda_error.h>
 #include <treelet/core/use_log.h>
+
+#include <treelet/core/no_cuda.h>
 
 namespace treelet::cuda {
 
 UseLog::~UseLog() = default;
 
-Stream own_stream() {
-  throw CudaError("this build of treelet has no CUDA: build it with TREELET_CUDA=ON");
-}
+Stream own_stream() { throw_no_cuda(); }
 
 }  // namespace treelet::cuda

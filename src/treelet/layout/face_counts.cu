@@ -64,16 +64,6 @@ class FaceCounter {
   const SubtreeFaces& faces_;
 };
 
-/// Calls work(levels) for each subtree, a block a subtree.
-template <class Work>
-__device__ void for_each_subtree(const DeviceTree& tree, const DeviceCut& cut,
-                                 SubtreeLevels& levels, Work work) {
-  for (std::uint32_t s = blockIdx.x; s < cut.counts->subtrees; s += gridDim.x) {
-    list_levels(tree.nodes, cut.subtrees[s], [](const BinaryNode&) { return true; }, levels);
-    work();
-  }
-}
-
 __global__ void place_top_kernel(DeviceTree tree, DeviceCut cut, FaceCountScratch scratch,
                                  SubtreeFaces faces) {
   const FaceCounter counter(tree, scratch, faces);
@@ -84,7 +74,7 @@ __global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, FaceCountS
                                       SubtreeFaces faces) {
   __shared__ SubtreeLevels levels;
   const FaceCounter counter(tree, scratch, faces);
-  for_each_subtree(tree, cut, levels, [&] {
+  for_each_subtree(tree, cut, KeepAll{}, levels, [&] {
     visit_top_down(levels, [&](std::uint32_t slot) { counter.place_children(slot); });
   });
 }
@@ -108,7 +98,7 @@ __global__ void add_subtrees_kernel(DeviceTree tree, DeviceCut cut, FaceCountScr
                                     SubtreeFaces faces) {
   __shared__ SubtreeLevels levels;
   const FaceCounter counter(tree, scratch, faces);
-  for_each_subtree(tree, cut, levels, [&] {
+  for_each_subtree(tree, cut, KeepAll{}, levels, [&] {
     visit_bottom_up(levels, [&](std::uint32_t slot) { counter.add_children(slot); });
   });
 }

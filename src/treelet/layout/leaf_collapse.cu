@@ -92,10 +92,9 @@ __global__ void decide_subtrees_kernel(DeviceTree tree, DeviceCut cut, SubtreeFa
                                        SahModel sah, LeafEntry* entries) {
   __shared__ SubtreeLevels levels;
   const LeafCollapseStep step(tree, faces, entries);
-  for (std::uint32_t s = blockIdx.x; s < cut.counts->subtrees; s += gridDim.x) {
-    list_levels(tree.nodes, cut.subtrees[s], [](const BinaryNode&) { return true; }, levels);
+  for_each_subtree(tree, cut, KeepAll{}, levels, [&] {
     visit_bottom_up(levels, [&](std::uint32_t slot) { step.decide(slot, sah); });
-  }
+  });
 }
 
 __global__ void collapse_top_kernel(DeviceTree tree, DeviceCut cut, SubtreeFaces faces,
@@ -109,10 +108,9 @@ __global__ void place_subtrees_kernel(DeviceTree tree, DeviceCut cut, SubtreeFac
   __shared__ SubtreeLevels levels;
   const LeafCollapseStep step(tree, faces, entries);
   const auto stays_node = [&](const BinaryNode& node) { return !step.is_leaf(node); };
-  for (std::uint32_t s = blockIdx.x; s < cut.counts->subtrees; s += gridDim.x) {
-    list_levels(tree.nodes, cut.subtrees[s], stays_node, levels);
+  for_each_subtree(tree, cut, stays_node, levels, [&] {
     visit_top_down(levels, [&](std::uint32_t slot) { step.place_children(slot); });
-  }
+  });
 }
 
 }  // namespace

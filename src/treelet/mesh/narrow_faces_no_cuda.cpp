@@ -1,10 +1,9 @@
-#include <treelet/core/cuda_error.h>
 #include <treelet/mesh/narrow_faces.h>
+
+#include <treelet/core/no_cuda.h>
 
 namespace treelet::cuda {
 
-DeviceArray<Face> narrow_faces(const std::int64_t*, std::size_t, Stream) {
-  throw CudaError("this build of treelet has no CUDA: build it with TREELET_CUDA=ON");
-}
+DeviceArray<Face> narrow_faces(const std::int64_t*, std::size_t, Stream) { throw_no_cuda(); }
 
 }  // namespace treelet::cuda

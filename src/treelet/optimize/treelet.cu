@@ -75,9 +75,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks<Size>)
   __shared__ TreeletScratch<Size> scratch[kWarps];
   SubtreeRestructuring<Size> work(tree, sah, buffers.costs, levels,
                                   scratch[threadIdx.x / kWarpSize]);
-  for (std::uint32_t i = blockIdx.x; i < buffers.cut.counts->subtrees; i += gridDim.x) {
-    work.run(buffers.cut.subtrees[i], rounds);
-  }
+  for_each_subtree(buffers.cut, [&](std::uint32_t root) { work.run(root, rounds); });
 }
 
 __global__ void list_roots(DeviceTree tree, std::uint32_t min_count, TopRoots roots) {

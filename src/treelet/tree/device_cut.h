@@ -35,7 +35,7 @@ constexpr std::uint32_t max_top_nodes(std::uint32_t references) {
 DeviceCut carve_cut(Carver& carver, std::uint32_t capacity);
 
 /// Enqueues it. Kernels over the subtrees, whose number only the device knows, are launched with a
-/// fixed number of blocks that loop: for (s = blockIdx.x; s < counts->subtrees; s += gridDim.x).
+/// fixed number of blocks that loop (for_each_subtree of tree/subtree_levels.cuh).
 void cut_tree(const DeviceTree& tree, const DeviceCut& cut, Stream stream);
 
 /// Blocks to launch for a loop over subtrees. A balanced tree has between 1 and 2 subtrees in 4096

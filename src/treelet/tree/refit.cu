@@ -15,17 +15,9 @@ constexpr unsigned kTopThreads = 512;
 __device__ std::uint32_t slot_count(const DeviceTree& tree) { return 2 * *tree.reference_count; }
 
 template <class Visit>
-__device__ void visit_subtree(const DeviceTree& tree, std::uint32_t root, Visit visit) {
-  __shared__ SubtreeLevels levels;
-  list_levels(tree.nodes, root, [](const BinaryNode&) { return true; }, levels);
-  visit_bottom_up(levels, visit);
-}
-
-template <class Visit>
 __global__ void visit_subtrees(DeviceTree tree, DeviceCut cut, Visit visit) {
-  for (std::uint32_t i = blockIdx.x; i < cut.counts->subtrees; i += gridDim.x) {
-    visit_subtree(tree, cut.subtrees[i], visit);
-  }
+  __shared__ SubtreeLevels levels;
+  for_each_subtree(tree, cut, KeepAll{}, levels, [&] { visit_bottom_up(levels, visit); });
 }
 
 template <class Visit>

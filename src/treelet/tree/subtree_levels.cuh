@@ -4,6 +4,8 @@
 
 #include <treelet/tree/binary_tree.h>
 #include <treelet/tree/bottom_up.h>
+#include <treelet/tree/device_cut.h>
+#include <treelet/tree/device_tree.h>
 #include <treelet/core/launch.cuh>
 #include <treelet/tree/breadth_first.cuh>
 
@@ -48,6 +50,29 @@ __device__ void list_levels(const BinaryNode* nodes, std::uint32_t root, Keep ke
     levels.count = int(count);
   }
   __syncthreads();
+}
+
+/// What list_levels takes to list all internal nodes.
+struct KeepAll {
+  __device__ bool operator()(const BinaryNode&) const { return true; }
+};
+
+/// Calls work(root) for each subtree below the cut, a block a subtree.
+template <class Work>
+__device__ void for_each_subtree(const DeviceCut& cut, Work work) {
+  for (std::uint32_t s = blockIdx.x; s < cut.counts->subtrees; s += gridDim.x) {
+    work(cut.subtrees[s]);
+  }
+}
+
+/// Lists each subtree below the cut, a block a subtree, and calls work() meanwhile.
+template <class Keep, class Work>
+__device__ void for_each_subtree(const DeviceTree& tree, const DeviceCut& cut, Keep keep,
+                                 SubtreeLevels& levels, Work work) {
+  for_each_subtree(cut, [&](std::uint32_t root) {
+    list_levels(tree.nodes, root, keep, levels);
+    work();
+  });
 }
 
 /// Calls visit(slot) for the nodes of one level, by thread `worker` of so many that share them.

@@ -103,6 +103,14 @@ void end_capture(const Capture& capture) {
   }
 }
 
+/// A stream that records can be neither asked nor waited for: it spoils the recording.
+cudaError_t check_not_captured(CUstream_st* stream) {
+  if (stream == nullptr) return cudaErrorInvalidResourceHandle;
+  if (!stream->capture) return cudaSuccess;
+  stream->capture->is_invalid = true;
+  return cudaErrorStreamCaptureUnsupported;
+}
+
 cudaError_t synchronize_device() {
   for (CUstream_st* stream : streams().made) {
     if (!stream->capture) continue;
@@ -163,11 +171,7 @@ cudaError_t cudaStreamDestroy(cudaStream_t handle) {
 cudaError_t cudaStreamSynchronize(cudaStream_t handle) {
   return api_call([=] {
     CUstream_st* stream = find_stream(handle);
-    if (stream == nullptr) return cudaErrorInvalidResourceHandle;
-    if (stream->capture) {
-      stream->capture->is_invalid = true;
-      return cudaErrorStreamCaptureUnsupported;
-    }
+    if (const cudaError_t error = check_not_captured(stream)) return error;
     if (const cudaError_t error = check_legacy_use(*stream)) return error;
     order_with_default_stream(*stream);
     drain(*stream);
@@ -178,11 +182,7 @@ cudaError_t cudaStreamSynchronize(cudaStream_t handle) {
 cudaError_t cudaStreamQuery(cudaStream_t handle) {
   return api_call([=] {
     CUstream_st* stream = find_stream(handle);
-    if (stream == nullptr) return cudaErrorInvalidResourceHandle;
-    if (stream->capture) {
-      stream->capture->is_invalid = true;
-      return cudaErrorStreamCaptureUnsupported;
-    }
+    if (const cudaError_t error = check_not_captured(stream)) return error;
     if (stream->queue.empty()) return cudaSuccess;
     drain(*stream);
     return cudaErrorNotReady;  // this once

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 // Integer intrinsics, casts of bits, and cached loads and stores.
 
@@ -54,9 +55,12 @@ inline float __int_as_float(int x) { return std::bit_cast<float>(x); }
 inline long long __double_as_longlong(double x) { return std::bit_cast<long long>(x); }
 inline double __longlong_as_double(long long x) { return std::bit_cast<double>(x); }
 
+/// Copies bytes: kernels read structures by it in words of 16 bytes.
 template <class T>
 T __ldg(const T* address) {
-  return *address;
+  T value;
+  std::memcpy(&value, address, sizeof(T));
+  return value;
 }
 template <class T>
 T __ldcs(const T* address) {
