@@ -8,13 +8,12 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "cuda/device_input.h"
-#include "cuda/device_packing.h"
 #include "cuda/schedules.h"
 #include "support/errors.h"
+#include "support/layouts.h"
 #include "support/mesh_params.h"
 #include "support/mesh_rays.h"
 #include "support/meshes.h"
@@ -29,7 +28,9 @@ const std::vector<std::string> kRecipes{"lbvh > bvh2",
                                         "lbvh > treelet > bvh8",
                                         "hploc > treelet > bvh2",
                                         "presplit(budget=20) > lbvh > treelet > bvh8",
-                                        "presplit(budget=50) > hploc > bvh2"};
+                                        "presplit(budget=50) > hploc > bvh2",
+                                        "lbvh > treelet > cwbvh",
+                                        "presplit(budget=30) > hploc > cwbvh(leaf=2)"};
 
 /// A mesh's arrays in device memory.
 class DeviceMeshArrays {
@@ -54,15 +55,6 @@ cuda::DeviceBvh build_on_device(const test::OwnedMesh& mesh, const std::string& 
                                 test::kStream);
 }
 
-testing::AssertionResult same_layout(const Bvh& a, const Bvh& b) {
-  return std::visit(
-      [&](const auto& layout) {
-        using Layout = std::decay_t<decltype(layout)>;
-        return test::equal_bytes(layout, std::get<Layout>(b.layout));
-      },
-      a.layout);
-}
-
 class DeviceBvhTest : public testing::TestWithParam<test::NamedMesh> {};
 
 TEST_P(DeviceBvhTest, IsTheHostsTreeToTheByte) {
@@ -71,7 +63,7 @@ TEST_P(DeviceBvhTest, IsTheHostsTreeToTheByte) {
     test::with_schedule(i % 4, [&] {
       const cuda::DeviceBvh device =
           build_on_device(GetParam().mesh, kRecipes[i], {.validate = true, .updatable = false});
-      EXPECT_TRUE(same_layout(device.download(test::kStream), host)) << kRecipes[i];
+      EXPECT_TRUE(test::equal_bytes(device.download(test::kStream), host)) << kRecipes[i];
     });
   }
 }
@@ -141,11 +133,11 @@ INSTANTIATE_TEST_SUITE_P(SlowMeshes, DeviceBvhTest, testing::ValuesIn(test::devi
 
 TEST(DeviceBvh, MovesToTheDeviceAndBack) {
   const test::OwnedMesh mesh = test::triangle_soup(3000, 5);
-  for (const char* recipe : {"sweep > bvh2", "hploc > treelet > bvh8"}) {
+  for (const char* recipe : {"sweep > bvh2", "hploc > treelet > bvh8", "sweep > cwbvh"}) {
     const Bvh host = build(mesh.view(), recipe);
     const cuda::DeviceBvh device = cuda::DeviceBvh::upload(host, test::kStream);
     const Bvh back = device.download(test::kStream);
-    EXPECT_TRUE(same_layout(back, host));
+    EXPECT_TRUE(test::equal_bytes(back, host));
     EXPECT_EQ(back.report.recipe, host.report.recipe);
     EXPECT_EQ(device.bounds(), host.bounds());
   }
@@ -183,7 +175,7 @@ TEST_P(DeviceUpdateTest, RebuildsTheTreeThatABuildGives) {
     bvh.rebuild(vertices.data(), std::uint32_t(vertices.size()), test::kStream);
     bvh.check(test::kStream);
     const Bvh host = build(moved.view(), GetParam());
-    EXPECT_TRUE(same_layout(bvh.download(test::kStream), host));
+    EXPECT_TRUE(test::equal_bytes(bvh.download(test::kStream), host));
     EXPECT_EQ(bvh.report().sah, host.report.sah);
   }
 }
@@ -208,14 +200,17 @@ TEST_P(DeviceUpdateTest, SaysWhenARebuildDoesNotFit) {
   EXPECT_THROW(bvh.check(test::kStream), cuda::CudaError);
   bvh.rebuild(vertices.data(), std::uint32_t(vertices.size()), test::kStream);
   bvh.check(test::kStream);
-  EXPECT_TRUE(same_layout(bvh.download(test::kStream), build(full.view(), GetParam())));
+  EXPECT_TRUE(test::equal_bytes(bvh.download(test::kStream), build(full.view(), GetParam())));
+}
+
+/// Names a test after the last word of its recipe.
+std::string layout_name(const testing::TestParamInfo<std::string>& parameter) {
+  return parameter.param.substr(parameter.param.rfind(' ') + 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Recipes, DeviceUpdateTest,
-                         testing::Values("lbvh > treelet > bvh2", "lbvh > bvh8"),
-                         [](const auto& parameter) {
-                           return parameter.index == 0 ? "Bvh2" : "Bvh8";
-                         });
+                         testing::Values("lbvh > treelet > bvh2", "lbvh > bvh8", "hploc > cwbvh"),
+                         layout_name);
 
 TEST(DeviceBvh, UpdatesOnlyWhatIsUpdatable) {
   const test::OwnedMesh mesh = test::triangle_soup(100, 9);

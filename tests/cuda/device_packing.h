@@ -9,16 +9,19 @@
 #include <treelet/layout/device_pack.h>
 #include <treelet/layout/pack_bvh2.h>
 #include <treelet/layout/pack_bvh8.h>
+#include <treelet/layout/pack_cwbvh.h>
 #include <treelet/optimize/treelet.h>
 
+#include <algorithm>
 #include <cstddef>
-#include <cstring>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cuda/device_input.h"
+#include "support/layouts.h"
 #include "support/meshes.h"
 #include "support/trees.h"
 
@@ -101,6 +104,8 @@ class DevicePackInput {
 
 /// What the tests of one layout call.
 struct Bvh2Calls {
+  static constexpr std::uint32_t kMaxLeaf = cuda::kMaxBvh2Leaf, kScratchPerReference = 16;
+
   using Model = SahModel;
   using Layout = cuda::DeviceBvh2;
   using Host = Bvh2;
@@ -110,6 +115,8 @@ struct Bvh2Calls {
   static constexpr auto pack_on_host = treelet::pack_bvh2;
 };
 struct Bvh8Calls {
+  static constexpr std::uint32_t kMaxLeaf = 16, kScratchPerReference = 32;
+
   using Model = WideCostModel;
   using Layout = cuda::DeviceBvh8;
   using Host = Bvh8;
@@ -118,6 +125,34 @@ struct Bvh8Calls {
   static constexpr auto write = cuda::write_bvh8;
   static constexpr auto pack_on_host = treelet::pack_bvh8;
 };
+struct CwbvhCalls {
+  static constexpr std::uint32_t kMaxLeaf = CwbvhNode::kMaxLeaf, kScratchPerReference = 32;
+
+  using Model = CwbvhCostModel;
+  using Layout = cuda::DeviceCwbvh;
+  using Host = Cwbvh;
+  static constexpr auto carve_scratch = cuda::carve_cwbvh_scratch;
+  static constexpr auto plan = cuda::plan_cwbvh;
+  static constexpr auto write = cuda::write_cwbvh;
+  static constexpr auto pack_on_host = treelet::pack_cwbvh;
+};
+
+/// With leaves of so many triangles, as far as the layout has room.
+template <class Calls>
+typename Calls::Model model_of_leaves(std::uint32_t leaf_limit) {
+  return {.leaf_limit = std::min(leaf_limit, Calls::kMaxLeaf)};
+}
+
+/// With nodes so dear that all leaves are as large as they may be.
+inline SahModel with_dear_nodes(SahModel model) {
+  model.traversal_cost = 1e6f;
+  return model;
+}
+template <class Model>
+Model with_dear_nodes(Model model) {
+  model.node_cost = 1e6f;
+  return model;
+}
 
 /// Packs in the two calls; the layout's arrays begin as rubbish.
 template <class Calls>
@@ -164,39 +199,5 @@ class DevicePacker {
   decltype(Calls::carve_scratch(std::declval<cuda::Carver&>(), 0)) scratch_;
   cuda::LayoutStorage<Layout> storage_;
 };
-
-inline const Array<PackedTriangle>& items(const Bvh2& bvh) { return bvh.triangles; }
-inline const Array<TriangleBlock>& items(const Bvh8& bvh) { return bvh.blocks; }
-inline std::size_t triangle_count(const Bvh2& bvh) { return bvh.triangles.size(); }
-inline std::size_t triangle_count(const Bvh8& bvh) { return bvh.triangle_count; }
-
-/// Index of the first value whose bytes differ; the size where none does.
-template <class T>
-std::size_t first_difference(const Array<T>& a, const Array<T>& b) {
-  std::size_t i = 0;
-  while (i < a.size() && std::memcmp(&a[i], &b[i], sizeof(T)) == 0) ++i;
-  return i;
-}
-
-/// Equality of every byte; else the message says what differs first.
-template <class Host>
-testing::AssertionResult equal_bytes(const Host& a, const Host& b) {
-  if (a.nodes.size() != b.nodes.size() || items(a).size() != items(b).size()) {
-    return testing::AssertionFailure()
-           << a.nodes.size() << " nodes and " << items(a).size() << " items, expected "
-           << b.nodes.size() << " and " << items(b).size();
-  }
-  const std::size_t node = first_difference(a.nodes, b.nodes);
-  if (node < a.nodes.size()) return testing::AssertionFailure() << "node " << node << " differs";
-  const std::size_t item = first_difference(items(a), items(b));
-  if (item < items(a).size()) return testing::AssertionFailure() << "item " << item << " differs";
-  if (std::memcmp(&a.bounds, &b.bounds, sizeof(Aabb)) != 0) {
-    return testing::AssertionFailure() << "bounds differ";
-  }
-  if (a.depth != b.depth || triangle_count(a) != triangle_count(b)) {
-    return testing::AssertionFailure() << "depth or number of triangles differ";
-  }
-  return testing::AssertionSuccess();
-}
 
 }  // namespace treelet::test

@@ -22,7 +22,7 @@ class DeviceEpo : public testing::Test {
   void expect_equal(const test::OwnedMesh& mesh, std::size_t max_triangles = 0) {
     const References references = create_references(mesh.view());
     const BinaryTree tree = test::random_tree(references, 371);
-    const typename Calls::Model model{.leaf_limit = 4};
+    const auto model = test::model_of_leaves<Calls>(4);
     const auto expected = Calls::pack_on_host(tree, references, mesh.view(), model);
     const DevicePackInput input(mesh, tree, references);
     test::DevicePacker<Calls> packer(input, model);
@@ -32,7 +32,7 @@ class DeviceEpo : public testing::Test {
               treelet::compute_epo(expected, SahModel{}, max_triangles));
   }
 };
-using Layouts = testing::Types<test::Bvh2Calls, test::Bvh8Calls>;
+using Layouts = testing::Types<test::Bvh2Calls, test::Bvh8Calls, test::CwbvhCalls>;
 TYPED_TEST_SUITE(DeviceEpo, Layouts);
 
 TYPED_TEST(DeviceEpo, IsTheHostsToTheLastBitOnHardMeshes) {

@@ -120,10 +120,13 @@ void expect_equal_layouts(const test::OwnedMesh& mesh, const BinaryTree& tree,
                           const References& references, std::uint32_t leaf_limit) {
   const SplitInput input(mesh, tree, references);
   SCOPED_TRACE("leaf limit " + std::to_string(leaf_limit));
-  EXPECT_TRUE(packs_as_the_host<test::Bvh2Calls>(input, mesh, tree, references,
-                                                 {.leaf_limit = leaf_limit}));
-  EXPECT_TRUE(packs_as_the_host<test::Bvh8Calls>(input, mesh, tree, references,
-                                                 {.leaf_limit = leaf_limit}));
+  const auto expect_equal = [&]<class Calls>(Calls) {
+    EXPECT_TRUE(packs_as_the_host<Calls>(input, mesh, tree, references,
+                                         test::model_of_leaves<Calls>(leaf_limit)));
+  };
+  expect_equal(test::Bvh2Calls{});
+  expect_equal(test::Bvh8Calls{});
+  expect_equal(test::CwbvhCalls{});
 }
 
 void expect_equal_counts(const BinaryTree& tree, const References& references,
@@ -215,10 +218,13 @@ TEST(DevicePackSplitOfManyPieces, SlowInALeafIsTheHosts) {
   ASSERT_GT(references.size(), 2'000u);
   for (const BinaryTree& tree : {test::chain_tree(references), test::random_tree(references, 14)}) {
     const SplitInput input(mesh, tree, references);
-    const SahModel sah{.traversal_cost = 1e6f, .leaf_limit = 64};
-    EXPECT_TRUE(packs_as_the_host<test::Bvh2Calls>(input, mesh, tree, references, sah));
-    const WideCostModel wide{.node_cost = 1e6f, .leaf_limit = 16};
-    EXPECT_TRUE(packs_as_the_host<test::Bvh8Calls>(input, mesh, tree, references, wide));
+    const auto expect_equal = [&]<class Calls>(Calls) {
+      const auto model = test::with_dear_nodes(test::model_of_leaves<Calls>(Calls::kMaxLeaf));
+      EXPECT_TRUE(packs_as_the_host<Calls>(input, mesh, tree, references, model));
+    };
+    expect_equal(test::Bvh2Calls{});
+    expect_equal(test::Bvh8Calls{});
+    expect_equal(test::CwbvhCalls{});
   }
 }
 

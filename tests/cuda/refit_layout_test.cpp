@@ -53,13 +53,13 @@ class DeviceRefit : public testing::Test {
     test::DevicePacker<Calls> packer(input, {});
     packer.write();
     input.move_vertices(moved);
-    DeviceArray<NodeLink> links(packer.view().node_capacity, kStream);
+    DeviceArray<LinkOf<typename Calls::Layout>> links(packer.view().node_capacity, kStream);
     refit(packer.view(), input.mesh(), links.data(), kStream);
     EXPECT_TRUE(test::equal_bytes(packer.download(), expected));
     EXPECT_EQ(packer.summary().hidden, result.hidden);
   }
 };
-using Layouts = testing::Types<test::Bvh2Calls, test::Bvh8Calls>;
+using Layouts = testing::Types<test::Bvh2Calls, test::Bvh8Calls, test::CwbvhCalls>;
 TYPED_TEST_SUITE(DeviceRefit, Layouts);
 
 TYPED_TEST(DeviceRefit, IsTheHostsToTheByteOnHardMeshes) {
@@ -98,7 +98,7 @@ TYPED_TEST(DeviceRefit, OfTheMeshItWasPackedFromChangesNothing) {
   test::DevicePacker<TypeParam> packer(input, {});
   packer.write();
   const auto before = packer.download();
-  DeviceArray<NodeLink> links(packer.view().node_capacity, kStream);
+  DeviceArray<LinkOf<typename TypeParam::Layout>> links(packer.view().node_capacity, kStream);
   refit(packer.view(), input.mesh(), links.data(), kStream);
   EXPECT_TRUE(test::equal_bytes(packer.download(), before));
 }
@@ -109,7 +109,7 @@ TYPED_TEST(DeviceRefit, OfALayoutThatOverflowedDoesNothing) {
   const DevicePackInput input(mesh, build_lbvh(references), references);
   test::DevicePacker<TypeParam> packer(input, {});
   packer.write(5, 5);
-  DeviceArray<NodeLink> links(5, kStream);
+  DeviceArray<LinkOf<typename TypeParam::Layout>> links(5, kStream);
   refit(packer.view(), input.mesh(), links.data(), kStream);
   EXPECT_TRUE(test::equal_bytes(packer.download(), typename TypeParam::Host{}));
 }

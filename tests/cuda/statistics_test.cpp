@@ -39,14 +39,14 @@ class DeviceStatistics : public testing::Test {
                      Calls::pack_on_host(tree, references, mesh.view(), model), sah));
   }
 };
-using Layouts = testing::Types<test::Bvh2Calls, test::Bvh8Calls>;
+using Layouts = testing::Types<test::Bvh2Calls, test::Bvh8Calls, test::CwbvhCalls>;
 TYPED_TEST_SUITE(DeviceStatistics, Layouts);
 
 TYPED_TEST(DeviceStatistics, AreTheHostsToTheLastBitOnHardMeshes) {
   for (const auto& [name, mesh] : test::hard_meshes()) {
     for (const std::uint32_t leaf_limit : {1u, 8u, 16u}) {
       SCOPED_TRACE(name + ", leaf limit " + std::to_string(leaf_limit));
-      this->expect_equals_host(mesh, {.leaf_limit = leaf_limit});
+      this->expect_equals_host(mesh, test::model_of_leaves<TypeParam>(leaf_limit));
     }
   }
 }

@@ -37,12 +37,13 @@ struct LeafEntry {
 };
 static_assert(sizeof(LeafEntry) == 16);
 
-/// What becomes of an internal node in a Bvh8.
+/// What becomes of an internal node in a Bvh8 or a Cwbvh.
 struct WideEntry {
   /// What a subtree whose root is a node of the layout takes, and where.
   struct Place {
     std::uint32_t nodes, blocks, triangles, height;
     std::uint32_t first_node, first_block;
+    std::uint32_t first_below;  ///< of a cwbvh, where the nodes below the first are
   };
 
   WideDecision decision;
@@ -64,8 +65,11 @@ void collapse_leaves(const DeviceTree& tree, const DeviceCut& cut, const Subtree
 void choose_wide(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
                  const WideCostModel& model, WideEntry* entries, Stream stream);
 
-/// Places the nodes and blocks that have been chosen and writes the totals to *size.
-void place_wide(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+/// Places the nodes and blocks that have been chosen as the layout wants them and writes the totals
+/// to *size.
+void place_bvh8(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
                 WideEntry* entries, LayoutSize* size, Stream stream);
+void place_cwbvh(const DeviceTree& tree, const DeviceCut& cut, const SubtreeFaces& faces,
+                 WideEntry* entries, LayoutSize* size, Stream stream);
 
 }  // namespace treelet::cuda

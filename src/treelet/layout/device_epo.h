@@ -15,5 +15,7 @@ double compute_epo(const DeviceBvh2& bvh, const SahModel& sah, std::uint32_t fac
                    Stream stream, std::size_t max_triangles = 0);
 double compute_epo(const DeviceBvh8& bvh, const SahModel& sah, std::uint32_t face_count,
                    Stream stream, std::size_t max_triangles = 0);
+double compute_epo(const DeviceCwbvh& bvh, const SahModel& sah, std::uint32_t face_count,
+                   Stream stream, std::size_t max_triangles = 0);
 
 }  // namespace treelet::cuda

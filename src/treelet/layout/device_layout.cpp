@@ -23,4 +23,10 @@ Bvh8 download(const DeviceBvh8& bvh, Stream stream) {
           summary.size.triangles};
 }
 
+Cwbvh download(const DeviceCwbvh& bvh, Stream stream) {
+  const LayoutSummary summary = download_summary(bvh, stream);
+  return {download(bvh.nodes, summary.size.nodes, stream),
+          download(bvh.items, summary.size.items, stream), summary.bounds, summary.size.depth};
+}
+
 }  // namespace treelet::cuda

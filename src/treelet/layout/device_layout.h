@@ -5,6 +5,7 @@
 #include <treelet/core/device_array.h>
 #include <treelet/layout/bvh2.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
 
 // Packed trees in device memory, byte for byte the host's.
 
@@ -13,7 +14,7 @@ namespace treelet::cuda {
 /// What a packed tree takes or took. Lies in device memory.
 struct LayoutSize {
   std::uint32_t nodes = 0;
-  std::uint32_t items = 0;      ///< of bvh2: triangles; of bvh8: blocks
+  std::uint32_t items = 0;      ///< of bvh8: blocks; of the others: triangles
   std::uint32_t triangles = 0;  ///< in leaves: more than faces after splitting
   std::uint32_t depth = 0;      ///< nodes on the longest way from the root to a leaf
 };
@@ -53,7 +54,20 @@ struct DeviceBvh8 {
   LayoutSummary* summary = nullptr;
 };
 
-/// Owns the arrays of a DeviceBvh2 or DeviceBvh8.
+/// A Cwbvh in device memory that somebody else owns.
+struct DeviceCwbvh {
+  using Node = CwbvhNode;
+  using Item = CwbvhTriangle;
+  static constexpr std::uint32_t kMaxItems = 0xffffffff;
+
+  CwbvhNode* nodes = nullptr;
+  CwbvhTriangle* items = nullptr;  ///< triangles in leaf order
+  std::uint32_t node_capacity = 0;
+  std::uint32_t item_capacity = 0;
+  LayoutSummary* summary = nullptr;
+};
+
+/// Owns the arrays of one of these.
 template <class Layout>
 class LayoutStorage {
  public:
@@ -79,6 +93,7 @@ class LayoutStorage {
 };
 using Bvh2Storage = LayoutStorage<DeviceBvh2>;
 using Bvh8Storage = LayoutStorage<DeviceBvh8>;
+using CwbvhStorage = LayoutStorage<DeviceCwbvh>;
 
 /// Nodes that a tree over so many references has at most, whatever its leaves.
 constexpr std::uint32_t max_layout_nodes(std::uint32_t references) {
@@ -88,5 +103,6 @@ constexpr std::uint32_t max_layout_nodes(std::uint32_t references) {
 /// Copies to the host; waits for the copies. A tree that overflowed is empty.
 Bvh2 download(const DeviceBvh2& bvh, Stream stream);
 Bvh8 download(const DeviceBvh8& bvh, Stream stream);
+Cwbvh download(const DeviceCwbvh& bvh, Stream stream);
 
 }  // namespace treelet::cuda

@@ -11,5 +11,6 @@ namespace treelet::cuda {
 /// scratch of its own and waits for the result.
 TreeStatistics compute_statistics(const DeviceBvh2& bvh, const SahModel& sah, Stream stream);
 TreeStatistics compute_statistics(const DeviceBvh8& bvh, const SahModel& sah, Stream stream);
+TreeStatistics compute_statistics(const DeviceCwbvh& bvh, const SahModel& sah, Stream stream);
 
 }  // namespace treelet::cuda

@@ -17,6 +17,9 @@ EpoTree<Bvh2Node, PackedTriangle> view_of(const Bvh2& bvh) {
 EpoTree<Bvh8Node, TriangleBlock> view_of(const Bvh8& bvh) {
   return {bvh.nodes.data(), bvh.blocks.data(), nullptr, std::uint32_t(bvh.nodes.size())};
 }
+EpoTree<CwbvhNode, CwbvhTriangle> view_of(const Cwbvh& bvh) {
+  return {bvh.nodes.data(), bvh.triangles.data(), nullptr, std::uint32_t(bvh.nodes.size())};
+}
 
 /// From the back: children lie behind their parents.
 template <class Node, class Item>
@@ -24,16 +27,16 @@ Array<EpoSubtree> describe_subtrees(const EpoTree<Node, Item>& tree) {
   Array<EpoSubtree> subtrees(tree.node_count);
   for (std::uint32_t index = tree.node_count; index-- > 0;) {
     const Node& node = tree.nodes[index];
-    EpoSubtree subtree{node_box(node), index + 1, {0xffffffff, 0}};
+    PositionRange range{0xffffffff, 0};
     for (int i = 0; i < kChildren<Node>; ++i) {
       if (!is_leaf_child(node, i) && !is_node_child(node, i)) continue;
       const PositionRange below =
           is_leaf_child(node, i) ? leaf_positions(node, i) : subtrees[node_index(node, i)].range;
-      if (is_node_child(node, i)) subtree.next = subtrees[node_index(node, i)].next;
-      subtree.range.begin = std::min(subtree.range.begin, below.begin);
-      subtree.range.end = std::max(subtree.range.end, below.end);
+      range.begin = std::min(range.begin, below.begin);
+      range.end = std::max(range.end, below.end);
     }
-    subtrees[index] = subtree;
+    subtrees[index].range = range;
+    link_children(tree.nodes, index, subtrees.data());
   }
   return subtrees;
 }
@@ -92,6 +95,9 @@ double compute_epo(const Bvh2& bvh, const SahModel& sah, std::size_t max_triangl
   return compute(bvh, sah, max_triangles);
 }
 double compute_epo(const Bvh8& bvh, const SahModel& sah, std::size_t max_triangles) {
+  return compute(bvh, sah, max_triangles);
+}
+double compute_epo(const Cwbvh& bvh, const SahModel& sah, std::size_t max_triangles) {
   return compute(bvh, sah, max_triangles);
 }
 

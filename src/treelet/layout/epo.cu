@@ -97,16 +97,22 @@ __device__ std::uint32_t end_position(const Node* nodes, std::uint32_t index) {
   }
 }
 
-/// The node behind the last in the subtree of a node.
-template <class Node>
-__device__ std::uint32_t next_node(const Node* nodes, std::uint32_t index) {
-  while (true) {
-    const Node& node = nodes[index];
-    int last = kChildren<Node> - 1;
-    while (last >= 0 && !is_node_child(node, last)) --last;
-    if (last < 0) return index + 1;
-    index = node_index(node, last);
+__device__ std::uint32_t first_position(const CwbvhNode* nodes, std::uint32_t index) {
+  return nodes[index].first_triangle;
+}
+
+/// The nodes of a node come behind its leaves.
+__device__ std::uint32_t end_position(const CwbvhNode* nodes, std::uint32_t index) {
+  const auto last = [&](auto&& is_sought) {
+    int slot = CwbvhNode::kChildren - 1;
+    while (!is_sought(nodes[index], slot)) --slot;
+    return slot;
+  };
+  while (nodes[index].node_mask != 0) {
+    index = nodes[index].node(last([](const CwbvhNode& node, int i) { return node.is_node(i); }));
   }
+  const int leaf = last([](const CwbvhNode& node, int i) { return node.is_leaf(i); });
+  return leaf_positions(nodes[index], leaf).end;
 }
 
 template <class Node, class Item>
@@ -128,9 +134,8 @@ template <class Layout>
 __global__ void describe_subtrees_kernel(Layout bvh, EpoSubtree* subtrees) {
   const std::uint32_t node = thread_index();
   if (node >= bvh.summary->size.nodes) return;
-  subtrees[node] = {node_box(bvh.nodes[node]),
-                    next_node(bvh.nodes, node),
-                    {first_position(bvh.nodes, node), end_position(bvh.nodes, node)}};
+  subtrees[node].range = {first_position(bvh.nodes, node), end_position(bvh.nodes, node)};
+  link_children(bvh.nodes, node, subtrees);
 }
 
 __global__ void count_ranks_kernel(FaceLists lists, FaceRanks ranks, std::uint32_t ranges) {
@@ -248,6 +253,10 @@ double compute_epo(const DeviceBvh2& bvh, const SahModel& sah, std::uint32_t fac
   return compute(bvh, sah, face_count, stream, max_triangles);
 }
 double compute_epo(const DeviceBvh8& bvh, const SahModel& sah, std::uint32_t face_count,
+                   Stream stream, std::size_t max_triangles) {
+  return compute(bvh, sah, face_count, stream, max_triangles);
+}
+double compute_epo(const DeviceCwbvh& bvh, const SahModel& sah, std::uint32_t face_count,
                    Stream stream, std::size_t max_triangles) {
   return compute(bvh, sah, face_count, stream, max_triangles);
 }

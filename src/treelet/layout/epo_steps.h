@@ -13,10 +13,30 @@ namespace treelet {
 
 /// What there is to know about the subtree of a node without reading it.
 struct EpoSubtree {
-  Aabb box;
-  std::uint32_t next;   ///< the first node behind it, in depth-first order
-  PositionRange range;  ///< its positions, which are one run in that order
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  static constexpr std::uint32_t kParent = 0x80000000;
+
+  Aabb box;             ///< that the parent holds; of no meaning for the root
+  std::uint32_t first;  ///< the first child that is a node
+  std::uint32_t next;   ///< the next such child of the parent; of the last one, kParent | parent
+  PositionRange range;  ///< its positions, which are one run
 };
+
+/// Writes what a node knows about its children, and its own `first`; the root's `next` is nobody's.
+template <class Node>
+TREELET_HD void link_children(const Node* nodes, std::uint32_t index, EpoSubtree* subtrees) {
+  const Node& node = nodes[index];
+  if (index == 0) subtrees[0].next = EpoSubtree::kNone;
+  std::uint32_t first = EpoSubtree::kNone;
+  for (int i = kChildren<Node> - 1; i >= 0; --i) {
+    if (!is_node_child(node, i)) continue;
+    EpoSubtree& child = subtrees[node_index(node, i)];
+    child.box = child_box(node, i);
+    child.next = first == EpoSubtree::kNone ? EpoSubtree::kParent | index : first;
+    first = node_index(node, i);
+  }
+  subtrees[index].first = first;
+}
 
 struct EpoAreas {
   double overlap = 0.0;  ///< of a surface with nodes that it is not in, weighted by their costs
@@ -38,8 +58,8 @@ struct EpoTree {
   std::uint32_t node_count;
 };
 
-/// Walks over a tree with one triangle. Does not keep a stack of nodes: the next one follows from
-/// the depth-first order.
+/// Walks over a tree, depth first, with one triangle. Does not keep a stack of nodes: each knows
+/// the next one.
 template <class Node, class Item, class IsAtHome>
 class EpoWalk {
  public:
@@ -50,23 +70,32 @@ class EpoWalk {
 
   TREELET_HD EpoAreas run() const {
     EpoAreas areas{0.0, whole_.area()};
-    std::uint32_t node = 0;
-    while (node < tree_.node_count) {
+    std::uint32_t node = tree_.node_count == 0 ? EpoSubtree::kNone : 0;
+    while (node != EpoSubtree::kNone) {
       const EpoSubtree& subtree = tree_.subtrees[node];
       const double area = node == 0 ? 0.0 : foreign_area(subtree.box, subtree.range);
       if (area < 0.0) {
-        node = subtree.next;
+        node = behind(node);
         continue;
       }
       areas.overlap += double(sah_.traversal_cost) * area;
       add_leaves(tree_.nodes[node], areas);
-      ++node;
+      node = subtree.first == EpoSubtree::kNone ? behind(node) : subtree.first;
     }
     return areas;
   }
 
  private:
   static constexpr double kOutside = -1.0;
+
+  /// The first node behind a subtree.
+  TREELET_HD std::uint32_t behind(std::uint32_t node) const {
+    std::uint32_t next = tree_.subtrees[node].next;
+    while (next != EpoSubtree::kNone && (next & EpoSubtree::kParent) != 0) {
+      next = tree_.subtrees[next & ~EpoSubtree::kParent].next;
+    }
+    return next;
+  }
 
   TREELET_HD void add_leaves(const Node& node, EpoAreas& areas) const {
     for (int i = 0; i < kChildren<Node>; ++i) {

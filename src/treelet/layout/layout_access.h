@@ -4,8 +4,10 @@
 
 #include <treelet/layout/bvh2.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
+#include <treelet/layout/cwbvh_steps.h>
 
-// One way to read and write the nodes and triangles of both layouts, for steps that host and device
+// One way to read and write the nodes and triangles of all layouts, for steps that host and device
 // share. A position numbers the places for triangles in leaf order, as in layout/child_view.h.
 
 namespace treelet {
@@ -16,6 +18,8 @@ template <>
 inline constexpr int kChildren<Bvh2Node> = 2;
 template <>
 inline constexpr int kChildren<Bvh8Node> = Bvh8Node::kChildren;
+template <>
+inline constexpr int kChildren<CwbvhNode> = CwbvhNode::kChildren;
 
 /// Positions of a leaf.
 struct PositionRange {
@@ -26,6 +30,7 @@ TREELET_HD inline bool is_leaf_child(const Bvh2Node& node, int i) { return node.
 TREELET_HD inline bool is_leaf_child(const Bvh8Node& node, int i) {
   return node.child[i].is_leaf();
 }
+TREELET_HD inline bool is_leaf_child(const CwbvhNode& node, int i) { return node.is_leaf(i); }
 
 /// Whether a child is a node; else it is a leaf or not there.
 TREELET_HD inline bool is_node_child(const Bvh2Node& node, int i) {
@@ -34,11 +39,22 @@ TREELET_HD inline bool is_node_child(const Bvh2Node& node, int i) {
 TREELET_HD inline bool is_node_child(const Bvh8Node& node, int i) {
   return !node.child[i].is_leaf() && !node.child[i].is_none();
 }
+TREELET_HD inline bool is_node_child(const CwbvhNode& node, int i) { return node.is_node(i); }
+
+/// Whether a tree is a single leaf: no other node has one child.
+template <class Node>
+TREELET_HD bool has_single_child(const Node& node) {
+  int children = 0;
+  for (int i = 0; i < kChildren<Node>; ++i)
+    children += is_leaf_child(node, i) || is_node_child(node, i);
+  return children == 1;
+}
 
 TREELET_HD inline std::uint32_t node_index(const Bvh2Node& node, int i) { return node.index[i]; }
 TREELET_HD inline std::uint32_t node_index(const Bvh8Node& node, int i) {
   return node.child[i].node();
 }
+TREELET_HD inline std::uint32_t node_index(const CwbvhNode& node, int i) { return node.node(i); }
 
 TREELET_HD inline PositionRange leaf_positions(const Bvh2Node& node, int i) {
   return {node.index[i], node.index[i] + node.count[i]};
@@ -48,9 +64,13 @@ TREELET_HD inline PositionRange leaf_positions(const Bvh8Node& node, int i) {
   return {child.first_block() * TriangleBlock::kTriangles,
           (child.first_block() + child.block_count()) * TriangleBlock::kTriangles};
 }
+TREELET_HD inline PositionRange leaf_positions(const CwbvhNode& node, int i) {
+  return {node.triangle(i), node.triangle(i) + node.triangle_count(i)};
+}
 
 TREELET_HD inline Aabb child_box(const Bvh2Node& node, int i) { return node.box[i]; }
 TREELET_HD inline Aabb child_box(const Bvh8Node& node, int i) { return node.box(i); }
+TREELET_HD inline Aabb child_box(const CwbvhNode& node, int i) { return decode_box(node, i); }
 
 TREELET_HD inline void set_child_box(Bvh2Node& node, int i, const Aabb& box) { node.box[i] = box; }
 TREELET_HD inline void set_child_box(Bvh8Node& node, int i, const Aabb& box) {
@@ -78,8 +98,14 @@ TREELET_HD inline std::uint32_t& face_at(PackedTriangle* items, std::uint32_t po
 TREELET_HD inline std::uint32_t& face_at(TriangleBlock* items, std::uint32_t position) {
   return items[position / TriangleBlock::kTriangles].face[position % TriangleBlock::kTriangles];
 }
+TREELET_HD inline std::uint32_t& face_at(CwbvhTriangle* items, std::uint32_t position) {
+  return items[position].face;
+}
 
 TREELET_HD inline std::uint32_t face_at(const PackedTriangle* items, std::uint32_t position) {
+  return items[position].face;
+}
+TREELET_HD inline std::uint32_t face_at(const CwbvhTriangle* items, std::uint32_t position) {
   return items[position].face;
 }
 TREELET_HD inline std::uint32_t face_at(const TriangleBlock* items, std::uint32_t position) {
@@ -89,12 +115,18 @@ TREELET_HD inline std::uint32_t face_at(const TriangleBlock* items, std::uint32_
 TREELET_HD inline Triangle triangle_at(const PackedTriangle* items, std::uint32_t position) {
   return items[position].triangle();
 }
+TREELET_HD inline Triangle triangle_at(const CwbvhTriangle* items, std::uint32_t position) {
+  return items[position].triangle();
+}
 TREELET_HD inline Triangle triangle_at(const TriangleBlock* items, std::uint32_t position) {
   return items[position / TriangleBlock::kTriangles].triangle(position % TriangleBlock::kTriangles);
 }
 
 /// Triangles of a leaf.
 TREELET_HD inline std::uint32_t count_triangles(const PackedTriangle*, PositionRange leaf) {
+  return leaf.end - leaf.begin;
+}
+TREELET_HD inline std::uint32_t count_triangles(const CwbvhTriangle*, PositionRange leaf) {
   return leaf.end - leaf.begin;
 }
 TREELET_HD inline std::uint32_t count_triangles(const TriangleBlock* items, PositionRange leaf) {
@@ -111,6 +143,13 @@ TREELET_HD inline void set_triangle(PackedTriangle* items, std::uint32_t positio
   item.p1 = triangle.p1;
   item.p2 = triangle.p2;
 }
+TREELET_HD inline void set_triangle(CwbvhTriangle* items, std::uint32_t position,
+                                    const Triangle& triangle) {
+  CwbvhTriangle& item = items[position];
+  item.p0 = triangle.p0;
+  item.p1 = triangle.p1;
+  item.p2 = triangle.p2;
+}
 TREELET_HD inline void set_triangle(TriangleBlock* items, std::uint32_t position,
                                     const Triangle& triangle) {
   TriangleBlock& block = items[position / TriangleBlock::kTriangles];
@@ -123,6 +162,7 @@ TREELET_HD inline void set_triangle(TriangleBlock* items, std::uint32_t position
 
 /// Lanes without a triangle repeat the first of their block; only a leaf's last block has such.
 TREELET_HD inline void fill_unused(PackedTriangle*, PositionRange) {}
+TREELET_HD inline void fill_unused(CwbvhTriangle*, PositionRange) {}
 TREELET_HD inline void fill_unused(TriangleBlock* items, PositionRange leaf) {
   TriangleBlock& block = items[leaf.end / TriangleBlock::kTriangles - 1];
   const Triangle first = block.triangle(0);

@@ -54,29 +54,10 @@ class Bvh2Writer {
   const DeviceBvh2& bvh_;
 };
 
-/// Thread i is about pair i; pair 0 is none.
-__global__ void write_nodes_kernel(DeviceTree tree, SubtreeFaces faces, const LeafEntry* entries,
-                                   DeviceBvh2 bvh) {
-  const std::uint32_t pair = thread_index();
-  if (pair >= *tree.reference_count || bvh.summary->size.nodes == 0) return;
-  const Bvh2Writer writer(tree, faces, entries, bvh);
-  if (pair == 0) {
-    writer.write_single_leaf();
-  } else {
-    writer.write_node(pair);
-  }
-}
-
 }  // namespace
 
 Bvh2Scratch carve_bvh2_scratch(Carver& carver, std::uint32_t capacity) {
-  Bvh2Scratch scratch;
-  scratch.size = carver.take<LayoutSize>(1);
-  const std::size_t mark = carver.used();
-  scratch.links = carve_links(carver, max_layout_nodes(capacity));
-  carver.rewind(mark);
-  scratch.entries = carver.take<LeafEntry>(capacity);
-  return scratch;
+  return carve_pack_scratch<DeviceBvh2, LeafEntry>(carver, capacity);
 }
 
 void plan_bvh2(const PackInput& input, const SahModel& sah, const Bvh2Scratch& scratch,
@@ -90,10 +71,7 @@ void plan_bvh2(const PackInput& input, const SahModel& sah, const Bvh2Scratch& s
 
 void write_bvh2(const PackInput& input, const Bvh2Scratch& scratch, const DeviceBvh2& bvh,
                 Stream stream) {
-  launch(stream, Grid{1, 1}, begin_layout_kernel<DeviceBvh2>, bvh, scratch.size);
-  launch(stream, thread_each(input.tree.capacity, kPackThreads), write_nodes_kernel, input.tree,
-         input.faces, scratch.entries, bvh);
-  finish_layout<kMaxBvh2Leaf>(bvh, input, scratch.links, stream);
+  write_layout<Bvh2Writer, kMaxBvh2Leaf>(input, scratch, bvh, stream);
 }
 
 }  // namespace treelet::cuda

@@ -22,7 +22,7 @@ class Bvh8Writer {
   __device__ void write_single_leaf() const {
     if (!tree_.decision(kRoot).is_leaf) return;
     Bvh8Node& node = clear_node(0);
-    node.child[0] = write_leaf(kRoot, 0, tree_.size(kRoot).blocks);
+    node.child[0] = write_leaf(kRoot, 0, tree_.size<DeviceBvh8>(kRoot).blocks);
   }
 
   /// The node above a pair of slots, where it is a node of the layout.
@@ -34,7 +34,7 @@ class Bvh8Writer {
     std::uint32_t block = entry.place.first_block;
     for (std::uint32_t i = 0; i < children.count; ++i) {
       const std::uint32_t slot = children.slots[i];
-      const WideEntry::Place size = tree_.size(slot);
+      const WideEntry::Place size = tree_.size<DeviceBvh8>(slot);
       node.child[i] =
           size.nodes > 0 ? WideChild::node(size.first_node) : write_leaf(slot, block, size.blocks);
       block += size.blocks;
@@ -62,29 +62,10 @@ class Bvh8Writer {
   const DeviceBvh8& bvh_;
 };
 
-/// Thread i is about pair i; pair 0 is none.
-__global__ void write_nodes_kernel(DeviceTree tree, SubtreeFaces faces, WideEntry* entries,
-                                   DeviceBvh8 bvh) {
-  const std::uint32_t pair = thread_index();
-  if (pair >= *tree.reference_count || bvh.summary->size.nodes == 0) return;
-  const Bvh8Writer writer(tree, faces, entries, bvh);
-  if (pair == 0) {
-    writer.write_single_leaf();
-  } else {
-    writer.write_node(pair);
-  }
-}
-
 }  // namespace
 
 Bvh8Scratch carve_bvh8_scratch(Carver& carver, std::uint32_t capacity) {
-  Bvh8Scratch scratch;
-  scratch.size = carver.take<LayoutSize>(1);
-  const std::size_t mark = carver.used();
-  scratch.links = carve_links(carver, max_layout_nodes(capacity));
-  carver.rewind(mark);
-  scratch.entries = carver.take<WideEntry>(capacity);
-  return scratch;
+  return carve_pack_scratch<DeviceBvh8, WideEntry>(carver, capacity);
 }
 
 void plan_bvh8(const PackInput& input, const WideCostModel& model, const Bvh8Scratch& scratch,
@@ -94,15 +75,12 @@ void plan_bvh8(const PackInput& input, const WideCostModel& model, const Bvh8Scr
                                 " triangles, not " + std::to_string(model.leaf_limit));
   }
   choose_wide(input.tree, input.cut, input.faces, model, scratch.entries, stream);
-  place_wide(input.tree, input.cut, input.faces, scratch.entries, scratch.size, stream);
+  place_bvh8(input.tree, input.cut, input.faces, scratch.entries, scratch.size, stream);
 }
 
 void write_bvh8(const PackInput& input, const Bvh8Scratch& scratch, const DeviceBvh8& bvh,
                 Stream stream) {
-  launch(stream, Grid{1, 1}, begin_layout_kernel<DeviceBvh8>, bvh, scratch.size);
-  launch(stream, thread_each(input.tree.capacity, kPackThreads), write_nodes_kernel, input.tree,
-         input.faces, scratch.entries, bvh);
-  finish_layout<kMaxBvh8Leaf>(bvh, input, scratch.links, stream);
+  write_layout<Bvh8Writer, kMaxBvh8Leaf>(input, scratch, bvh, stream);
 }
 
 }  // namespace treelet::cuda

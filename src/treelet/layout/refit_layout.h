@@ -4,6 +4,7 @@
 
 #include <treelet/layout/bvh2.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
 #include <treelet/tree/sah.h>
 
 namespace treelet {
@@ -25,5 +26,7 @@ struct RefitResult {
 /// again appears again; faces that the build left out stay out.
 RefitResult refit(Bvh2& bvh, const Mesh& mesh, const SahModel& sah);
 RefitResult refit(Bvh8& bvh, const Mesh& mesh, const SahModel& sah);
+/// Children keep their slots. Takes 25 bytes a node of scratch: grids need the exact boxes.
+RefitResult refit(Cwbvh& bvh, const Mesh& mesh, const SahModel& sah);
 
 }  // namespace treelet

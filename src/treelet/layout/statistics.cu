@@ -80,5 +80,8 @@ TreeStatistics compute_statistics(const DeviceBvh2& bvh, const SahModel& sah, St
 TreeStatistics compute_statistics(const DeviceBvh8& bvh, const SahModel& sah, Stream stream) {
   return compute(bvh, sah, stream);
 }
+TreeStatistics compute_statistics(const DeviceCwbvh& bvh, const SahModel& sah, Stream stream) {
+  return compute(bvh, sah, stream);
+}
 
 }  // namespace treelet::cuda

@@ -6,6 +6,7 @@
 
 #include <treelet/layout/bvh2.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
 #include <treelet/tree/sah.h>
 
 namespace treelet {
@@ -24,5 +25,7 @@ struct TreeStatistics {
 
 TreeStatistics compute_statistics(const Bvh2& bvh, const SahModel& sah);
 TreeStatistics compute_statistics(const Bvh8& bvh, const SahModel& sah);
+/// With the boxes that the planes bound.
+TreeStatistics compute_statistics(const Cwbvh& bvh, const SahModel& sah);
 
 }  // namespace treelet

@@ -36,8 +36,7 @@ TREELET_HD double sum_child_costs(const Node* nodes, const Item* items, std::uin
 template <class Node>
 TREELET_HD double relative_cost(double child_costs, const Node& root, const SahModel& sah) {
   const double root_area = half_area_double(node_box(root));
-  const bool is_single_leaf = !is_leaf_child(root, 1) && !is_node_child(root, 1);
-  if (!is_single_leaf) child_costs += sah.traversal_cost * root_area;
+  if (!has_single_child(root)) child_costs += sah.traversal_cost * root_area;
   return root_area > 0.0 ? child_costs / root_area : 0.0;
 }
 

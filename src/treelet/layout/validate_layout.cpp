@@ -1,8 +1,11 @@
 #include <treelet/layout/validate_layout.h>
 
+#include <type_traits>
+
 #include <treelet/layout/child_view.h>
 #include <treelet/layout/cover.h>
 #include <treelet/layout/face_positions.h>
+#include <treelet/primitive/split_steps.h>
 #include <treelet/tree/violations.h>
 
 namespace treelet {
@@ -45,7 +48,9 @@ class TreeValidator {
     while (!stack.empty() && !violations_.full()) {
       const Visit visit = stack.back();
       stack.pop_back();
-      if (visit.node != nodes_seen_++) {
+      const bool in_order = is_in_order(bvh_, visit.node);
+      ++nodes_seen_;
+      if (!in_order) {
         violations_.add("node " + std::to_string(visit.node) + " is out of depth-first order");
         return;
       }
@@ -54,12 +59,50 @@ class TreeValidator {
     }
   }
 
+  template <class AnyLayout>
+  bool is_in_order(const AnyLayout&, std::uint32_t node) const {
+    return node == nodes_seen_;
+  }
+
+  /// A node's children and the triangles of its leaves come where those of all before it end.
+  bool is_in_order(const Cwbvh& bvh, std::uint32_t index) {
+    const CwbvhNode& node = bvh.nodes[index];
+    const bool in_order = node.first_node == next_node_ && node.first_triangle == next_triangle_;
+    for (int i = 0; i < CwbvhNode::kChildren; ++i) {
+      next_node_ += node.is_node(i);
+      next_triangle_ += node.is_leaf(i) ? node.triangle_count(i) : 0;
+      check_meta(node, index, i);
+    }
+    return in_order;
+  }
+
+  void check_meta(const CwbvhNode& node, std::uint32_t index, int i) {
+    const auto is_leaf_meta = [&] {
+      const std::uint32_t count = node.triangle_count(i), offset = node.meta[i] & 31u;
+      return count > 0 && node.meta[i] == CwbvhNode::leaf_meta(offset, count) &&
+             offset + count <= CwbvhNode::kNodeOffset;
+    };
+    const bool is_sound = node.is_node(i) ? node.meta[i] == CwbvhNode::node_meta(i)
+                                          : node.is_none(i) || is_leaf_meta();
+    if (!is_sound) violations_.add(name(index, i) + " is neither a node nor a leaf");
+  }
+
+  /// What of a child's box rays can reach.
+  template <class AnyLayout>
+  Aabb reachable_box(const AnyLayout&, const Visit& visit, int i, const Aabb& box) {
+    if (!visit.box.contains(box)) {
+      violations_.add(name(visit.node, i) + " sticks out of its parent's box");
+    }
+    return box;
+  }
+  Aabb reachable_box(const Cwbvh&, const Visit& visit, int, const Aabb& box) {
+    return overlap(box, visit.box);
+  }
+
   void check_children(const Visit& visit, std::vector<Visit>& stack) {
     for (int i = children_per_node(bvh_); i-- > 0;) {
-      const ChildView child = child_of(bvh_, visit.node, i);
-      if (!visit.box.contains(child.box)) {
-        violations_.add(name(visit.node, i) + " sticks out of its parent's box");
-      }
+      ChildView child = child_of(bvh_, visit.node, i);
+      child.box = reachable_box(bvh_, visit, i, child.box);
       if (child.is_leaf) {
         check_leaf(child, name(visit.node, i));
       } else if (!child.box.is_empty()) {
@@ -92,7 +135,7 @@ class TreeValidator {
       }
       triangle_seen_[i] = true;
     }
-    if (has_pieces && !whole.contains(leaf.box)) {
+    if (has_pieces && !whole.contains(leaf.box) && !std::is_same_v<Layout, Cwbvh>) {
       violations_.add(leaf_name + " is larger than its triangles");
     }
   }
@@ -137,6 +180,7 @@ class TreeValidator {
   std::vector<bool> is_piece_;    // by position; empty where no face was split
   std::vector<Aabb> leaf_boxes_;  // by position, of pieces
   std::size_t nodes_seen_ = 0;
+  std::size_t next_node_ = 1, next_triangle_ = 0;  // of a cwbvh: where the next ones belong
 };
 
 /// Compares the tree's triangles with the mesh's.
@@ -195,10 +239,14 @@ std::vector<std::string> validate_tree(const Layout& bvh, const Mesh* mesh) {
 
 std::vector<std::string> validate(const Bvh2& bvh) { return validate_tree(bvh, nullptr); }
 std::vector<std::string> validate(const Bvh8& bvh) { return validate_tree(bvh, nullptr); }
+std::vector<std::string> validate(const Cwbvh& bvh) { return validate_tree(bvh, nullptr); }
 std::vector<std::string> validate(const Bvh2& bvh, const Mesh& mesh) {
   return validate_tree(bvh, &mesh);
 }
 std::vector<std::string> validate(const Bvh8& bvh, const Mesh& mesh) {
+  return validate_tree(bvh, &mesh);
+}
+std::vector<std::string> validate(const Cwbvh& bvh, const Mesh& mesh) {
   return validate_tree(bvh, &mesh);
 }
 

@@ -11,14 +11,15 @@
 
 namespace treelet {
 
-TREELET_HD constexpr std::uint32_t blocks_for(std::uint32_t triangles) {
-  return triangles / TriangleBlock::kTriangles + (triangles % TriangleBlock::kTriangles != 0);
+TREELET_HD constexpr std::uint32_t blocks_for(
+    std::uint32_t triangles, std::uint32_t block_size = TriangleBlock::kTriangles) {
+  return triangles / block_size + (triangles % block_size != 0);
 }
 
 TREELET_HD constexpr float wide_leaf_cost(float half_area, std::uint32_t triangles,
                                           const WideCostModel& model) {
   if (triangles > model.leaf_limit) return std::numeric_limits<float>::infinity();
-  return model.block_cost * half_area * float(blocks_for(triangles));
+  return model.block_cost * half_area * float(blocks_for(triangles, model.block_size));
 }
 
 /// The choice of a leaf of the binary tree.

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 
+#include <treelet/layout/cwbvh_steps.h>
 #include <treelet/layout/device_collapse.h>
+#include <treelet/layout/layout_access.h>
 #include <treelet/layout/wide_collapse_steps.h>
 
 namespace treelet::cuda {
@@ -30,12 +32,21 @@ struct WideEntries {
                                 });
   }
 
+  /// The same in the slots of a CwbvhNode.
+  __device__ CwbvhChildren arranged_children(std::uint32_t pair) const {
+    const WideChildren children = this->children(pair);
+    const Aabb box = merge(nodes[2 * pair].box(), nodes[2 * pair + 1].box());
+    return arrange_children(children.slots.data(), int(children.count), box,
+                            [this](std::uint32_t slot) { return nodes[slot].box(); });
+  }
+
   /// What a child takes: a leaf no node.
+  template <class Layout>
   __device__ WideEntry::Place size(std::uint32_t child) const {
     const BinaryNode& node = nodes[child];
+    if (!decision(node).is_leaf) return entry(node).place;
     const std::uint32_t triangles = faces.count(node);
-    if (decision(node).is_leaf) return {0, blocks_for(triangles), triangles, 0, 0, 0};
-    return entry(node).place;
+    return {0, blocks_for(triangles, kPositions<typename Layout::Item>), triangles, 0, 0, 0, 0};
   }
 };
 

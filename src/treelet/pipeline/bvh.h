@@ -8,6 +8,7 @@
 #include <treelet/core/stage.h>
 #include <treelet/layout/bvh2.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
 #include <treelet/layout/statistics.h>
 #include <treelet/query/intersect.h>
 #include <treelet/tree/sah.h>
@@ -26,21 +27,21 @@ struct UpdateReport {
 /// What a build did.
 struct BuildReport {
   std::string recipe;  ///< with every argument written out
-  std::vector<StageTime> stages;
+  std::vector<StageTime> stages{};
   double seconds = 0.0;  ///< wall clock, arrays to traceable
   std::size_t faces = 0;
   std::size_t references = 0;
   std::size_t left_out_non_finite = 0;
   std::size_t left_out_degenerate = 0;
-  double sah = 0.0;     ///< of the binary tree with its best leaves: the same for every layout
-  TreeStatistics tree;  ///< of the layout
+  double sah = 0.0;       ///< of the binary tree with its best leaves: the same for every layout
+  TreeStatistics tree{};  ///< of the layout
   UpdateReport update{};
 };
 
 /// A built tree. Immutable, owns a copy of its triangles, and may be queried from many threads. For
 /// meshes that move there is UpdatableBvh (pipeline/update.h).
 struct Bvh {
-  std::variant<Bvh2, Bvh8> layout;
+  std::variant<Bvh2, Bvh8, Cwbvh> layout;
   SahModel sah;
   BuildReport report;
 

@@ -12,14 +12,15 @@
 namespace treelet::cuda {
 namespace {
 
-constexpr std::array<std::string_view, 6> kDeviceWords{"presplit", "lbvh", "hploc",
-                                                       "treelet",  "bvh2", "bvh8"};
+constexpr std::array<std::string_view, 7> kDeviceWords{"presplit", "lbvh", "hploc", "treelet",
+                                                       "bvh2",     "bvh8", "cwbvh"};
 
 void require_device_word(const RecipeStage& stage) {
   if (runs_on_device(stage.word->name)) return;
-  std::string message = "'" + std::string(stage.word->name) +
-                        "' runs on the CPU alone: build there and move the tree, or use one of";
-  for (const std::string_view word : kDeviceWords) message += " " + std::string(word);
+  std::string message = "'";
+  message.append(stage.word->name);
+  message.append("' runs on the CPU alone: build there and move the tree, or use one of");
+  for (const std::string_view word : kDeviceWords) message.append(" ").append(word);
   throw CudaError(message);
 }
 
@@ -33,6 +34,13 @@ TreeletConfig treelet_config(const RecipeStage& stage) {
 
 std::uint32_t split_percent(const Recipe& recipe) {
   return std::uint32_t(recipe.splitter->value("budget"));
+}
+
+decltype(BuildMemory::pack) carve_pack_scratch(Carver& carver, std::string_view layout,
+                                               std::uint32_t capacity) {
+  if (layout == "bvh2") return carve_bvh2_scratch(carver, capacity);
+  if (layout == "bvh8") return carve_bvh8_scratch(carver, capacity);
+  return carve_cwbvh_scratch(carver, capacity);
 }
 
 /// Takes what each of `phases` takes, all from the same place: they come one after another.
@@ -97,13 +105,7 @@ BuildMemory carve_build(Carver& carver, std::uint32_t faces, const Recipe& recip
           if (recipe.splitter) memory.face_counts = carve_face_count_scratch(carver, capacity);
         },
         [&] { memory.costs = carver.take<float>(2 * std::size_t(capacity)); },
-        [&] {
-          if (recipe.layout.word->name == "bvh2") {
-            memory.pack = carve_bvh2_scratch(carver, capacity);
-          } else {
-            memory.pack = carve_bvh8_scratch(carver, capacity);
-          }
-        });
+        [&] { memory.pack = carve_pack_scratch(carver, recipe.layout.word->name, capacity); });
   };
   share(carver, split, order_references, restructure, pack);
   return memory;
@@ -166,12 +168,19 @@ void DevicePipeline::plan_layout() {
   compute_costs(memory_.tree, memory_.cut, memory_.faces, sah(), memory_.costs, stream_);
   normalize_cost(memory_.tree, memory_.costs, memory_.sah, stream_);
   begin("collapse");
-  if (const auto* scratch = std::get_if<Bvh2Scratch>(&memory_.pack)) {
-    plan_bvh2(pack_input(), sah(), *scratch, stream_);
-  } else {
-    const WideCostModel model{.leaf_limit = sah().leaf_limit};
-    plan_bvh8(pack_input(), model, std::get<Bvh8Scratch>(memory_.pack), stream_);
-  }
+  std::visit([&](const auto& scratch) { plan(scratch); }, memory_.pack);
+}
+
+void DevicePipeline::plan(const Bvh2Scratch& scratch) {
+  plan_bvh2(pack_input(), sah(), scratch, stream_);
+}
+
+void DevicePipeline::plan(const Bvh8Scratch& scratch) {
+  plan_bvh8(pack_input(), {.leaf_limit = sah().leaf_limit}, scratch, stream_);
+}
+
+void DevicePipeline::plan(const CwbvhScratch& scratch) {
+  plan_cwbvh(pack_input(), {.leaf_limit = sah().leaf_limit}, scratch, stream_);
 }
 
 void DevicePipeline::write_layout(const DeviceBvh2& bvh) {
@@ -182,6 +191,11 @@ void DevicePipeline::write_layout(const DeviceBvh2& bvh) {
 void DevicePipeline::write_layout(const DeviceBvh8& bvh) {
   begin("pack bvh8");
   write_bvh8(pack_input(), std::get<Bvh8Scratch>(memory_.pack), bvh, stream_);
+}
+
+void DevicePipeline::write_layout(const DeviceCwbvh& bvh) {
+  begin("pack cwbvh");
+  write_cwbvh(pack_input(), std::get<CwbvhScratch>(memory_.pack), bvh, stream_);
 }
 
 }  // namespace treelet::cuda

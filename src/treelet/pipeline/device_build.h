@@ -49,7 +49,7 @@ struct BuildMemory {
   FaceCountScratch face_counts;
   float* costs = nullptr;
   TreeletBuffers treelet;
-  std::variant<Bvh2Scratch, Bvh8Scratch> pack;
+  std::variant<Bvh2Scratch, Bvh8Scratch, CwbvhScratch> pack;
 
   const LayoutSize* planned_size() const {
     return std::visit([](const auto& scratch) { return scratch.size; }, pack);
@@ -89,12 +89,16 @@ class DevicePipeline {
   void plan_layout();
   void write_layout(const DeviceBvh2& bvh);
   void write_layout(const DeviceBvh8& bvh);
+  void write_layout(const DeviceCwbvh& bvh);
 
   DeviceReferences references() const;
   SahModel sah() const;
 
  private:
   PackInput pack_input() const;
+  void plan(const Bvh2Scratch& scratch);
+  void plan(const Bvh8Scratch& scratch);
+  void plan(const CwbvhScratch& scratch);
   void begin(const char* stage);
   void survey();
   void split();

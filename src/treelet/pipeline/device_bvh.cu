@@ -2,6 +2,7 @@
 
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include <treelet/pipeline/device_build.h>
 #include <treelet/pipeline/device_storage.h>
 #include <treelet/query/device_intersect.h>
+#include <treelet/query/device_queries.h>
 #include <treelet/tree/validate.h>
 #include <treelet/core/cuda_check.cuh>
 
@@ -70,8 +72,7 @@ class DeviceBvh::Impl {
   int device = current_device();
   UseLog writes;
   mutable UseLog reads;
-  std::vector<std::pair<Storage, DeviceArray<NodeLink>>>
-      retired;  // a recorded graph may write there
+  std::vector<std::pair<Storage, LinkMemory>> retired;  // a recorded graph may write there
   mutable std::optional<DeviceStages> stages;
   mutable BuildReport report;
   mutable bool has_statistics = false;
@@ -103,6 +104,26 @@ class DeviceBvh::Impl {
     writes.order_behind(stream);
     visit(query);
     reads.record(stream);
+  }
+
+  template <class Query>
+  void trace(const DeviceRayBatch& rays, RayOrder order, const Query& query, Stream stream) const {
+    read(stream,
+         [&](const auto& bvh) { trace_rays_in_order(bvh, depth, rays, order, query, stream); });
+  }
+
+  /// Queries rays on the host. All is done on return, so nothing need wait for it later.
+  template <class Query>
+  void trace(const RayBatch& rays, const StreamOptions& options, const Query& query) const {
+    const DeviceScope scope(device);
+    const auto trace_chunk = [&](const DeviceRayBatch& chunk, std::span<void* const> arrays,
+                                 Stream stream) {
+      writes.order_behind(stream);
+      visit([&](const auto& bvh) {
+        trace_rays_in_order(bvh, depth, chunk, options.order, Query::into(arrays), stream);
+      });
+    };
+    stream_rays(rays, query.answers(), options, trace_chunk);
   }
 
   template <class Write>
@@ -220,7 +241,7 @@ DeviceBvh DeviceBvh::build(const DeviceMesh& mesh, const Recipe& recipe,
     copy_on_device(faces.data(), mesh.faces, faces.bytes(), stream);
     impl->update.emplace(UpdateMemory{recipe, std::move(faces), mesh.vertex_count,
                                       std::move(workspace),
-                                      DeviceArray<NodeLink>(room(outcome.size.nodes), stream)});
+                                      LinkMemory(impl->storage, room(outcome.size.nodes), stream)});
   }
   impl->writes.record(stream);
   if (options.updatable) {
@@ -272,7 +293,7 @@ double DeviceBvh::epo(std::size_t max_triangles) const {
 void DeviceBvh::refit(const Vec3* vertices, std::uint32_t count, Stream stream) {
   UpdateMemory& update = impl_->updatable(count);
   impl_->write(stream, [&](const auto& bvh) {
-    treelet::cuda::refit(bvh, update.mesh(vertices), update.links.data(), stream);
+    treelet::cuda::refit(bvh, update.mesh(vertices), update.links.of(bvh), stream);
   });
   ++impl_->report.update.refits;
   impl_->has_statistics = false;
@@ -310,7 +331,7 @@ void DeviceBvh::check(Stream stream) {
         copy_to_device(stored.view().summary, &summary, sizeof(summary), stream);
       },
       larger);
-  DeviceArray<NodeLink> links(nodes, stream);
+  LinkMemory links(larger, nodes, stream);
   synchronize(stream);
   std::swap(impl_->storage, larger);
   std::swap(update.links, links);
@@ -321,23 +342,30 @@ void DeviceBvh::check(Stream stream) {
       "now: rebuild once more, and record graphs anew");
 }
 
-void DeviceBvh::intersect(const DeviceRayBatch& rays, const HitArrays& hits, Stream stream) const {
-  impl_->read(stream, [&](const auto& bvh) {
-    treelet::cuda::intersect(bvh, impl_->depth, rays, hits, stream);
-  });
+void DeviceBvh::intersect(const DeviceRayBatch& rays, const HitArrays& hits, Stream stream,
+                          RayOrder order) const {
+  impl_->trace(rays, order, ClosestHitQuery{hits}, stream);
+}
+void DeviceBvh::find_occluded(const DeviceRayBatch& rays, bool* occluded, Stream stream,
+                              RayOrder order) const {
+  impl_->trace(rays, order, AnyHitQuery{occluded}, stream);
+}
+void DeviceBvh::count_work(const DeviceRayBatch& rays, const WorkArrays& work, Stream stream,
+                           RayOrder order) const {
+  impl_->trace(rays, order, WorkQuery{work}, stream);
 }
 
-void DeviceBvh::find_occluded(const DeviceRayBatch& rays, bool* occluded, Stream stream) const {
-  impl_->read(stream, [&](const auto& bvh) {
-    treelet::cuda::find_occluded(bvh, impl_->depth, rays, occluded, stream);
-  });
+void DeviceBvh::intersect(const RayBatch& rays, const HitArrays& hits,
+                          const StreamOptions& options) const {
+  impl_->trace(rays, options, ClosestHitQuery{hits});
 }
-
-void DeviceBvh::count_work(const DeviceRayBatch& rays, const WorkArrays& work,
-                           Stream stream) const {
-  impl_->read(stream, [&](const auto& bvh) {
-    treelet::cuda::count_work(bvh, impl_->depth, rays, work, stream);
-  });
+void DeviceBvh::find_occluded(const RayBatch& rays, bool* occluded,
+                              const StreamOptions& options) const {
+  impl_->trace(rays, options, AnyHitQuery{occluded});
+}
+void DeviceBvh::count_work(const RayBatch& rays, const WorkArrays& work,
+                           const StreamOptions& options) const {
+  impl_->trace(rays, options, WorkQuery{work});
 }
 
 }  // namespace treelet::cuda

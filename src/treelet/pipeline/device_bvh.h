@@ -8,6 +8,8 @@
 #include <treelet/pipeline/recipe.h>
 #include <treelet/primitive/device_references.h>
 #include <treelet/query/device_intersect.h>
+#include <treelet/query/ray_order.h>
+#include <treelet/query/stream_rays.h>
 
 namespace treelet::cuda {
 
@@ -57,9 +59,19 @@ class DeviceBvh {
   void check(Stream stream);
 
   // One answer a ray, as on the host; outputs are in device memory.
-  void intersect(const DeviceRayBatch& rays, const HitArrays& hits, Stream stream) const;
-  void find_occluded(const DeviceRayBatch& rays, bool* occluded, Stream stream) const;
-  void count_work(const DeviceRayBatch& rays, const WorkArrays& work, Stream stream) const;
+  void intersect(const DeviceRayBatch& rays, const HitArrays& hits, Stream stream,
+                 RayOrder order = RayOrder::given) const;
+  void find_occluded(const DeviceRayBatch& rays, bool* occluded, Stream stream,
+                     RayOrder order = RayOrder::given) const;
+  void count_work(const DeviceRayBatch& rays, const WorkArrays& work, Stream stream,
+                  RayOrder order = RayOrder::given) const;
+
+  // Rays and answers on the host, sent to and fro in chunks (query/stream_rays.h). Wait.
+  void intersect(const RayBatch& rays, const HitArrays& hits,
+                 const StreamOptions& options = {}) const;
+  void find_occluded(const RayBatch& rays, bool* occluded, const StreamOptions& options = {}) const;
+  void count_work(const RayBatch& rays, const WorkArrays& work,
+                  const StreamOptions& options = {}) const;
 
  private:
   class Impl;

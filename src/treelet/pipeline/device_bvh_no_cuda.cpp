@@ -1,15 +1,8 @@
 #include <treelet/pipeline/device_bvh.h>
 
-#include <treelet/core/cuda_error.h>
+#include <treelet/core/no_cuda.h>
 
 namespace treelet::cuda {
-namespace {
-
-[[noreturn]] void throw_no_cuda() {
-  throw CudaError("this build of treelet has no CUDA: build it with TREELET_CUDA=ON");
-}
-
-}  // namespace
 
 class DeviceBvh::Impl {};
 
@@ -30,11 +23,22 @@ double DeviceBvh::epo(std::size_t) const { throw_no_cuda(); }
 void DeviceBvh::refit(const Vec3*, std::uint32_t, Stream) { throw_no_cuda(); }
 void DeviceBvh::rebuild(const Vec3*, std::uint32_t, Stream) { throw_no_cuda(); }
 void DeviceBvh::check(Stream) { throw_no_cuda(); }
-void DeviceBvh::intersect(const DeviceRayBatch&, const HitArrays&, Stream) const {
+void DeviceBvh::intersect(const DeviceRayBatch&, const HitArrays&, Stream, RayOrder) const {
   throw_no_cuda();
 }
-void DeviceBvh::find_occluded(const DeviceRayBatch&, bool*, Stream) const { throw_no_cuda(); }
-void DeviceBvh::count_work(const DeviceRayBatch&, const WorkArrays&, Stream) const {
+void DeviceBvh::find_occluded(const DeviceRayBatch&, bool*, Stream, RayOrder) const {
+  throw_no_cuda();
+}
+void DeviceBvh::count_work(const DeviceRayBatch&, const WorkArrays&, Stream, RayOrder) const {
+  throw_no_cuda();
+}
+void DeviceBvh::intersect(const RayBatch&, const HitArrays&, const StreamOptions&) const {
+  throw_no_cuda();
+}
+void DeviceBvh::find_occluded(const RayBatch&, bool*, const StreamOptions&) const {
+  throw_no_cuda();
+}
+void DeviceBvh::count_work(const RayBatch&, const WorkArrays&, const StreamOptions&) const {
   throw_no_cuda();
 }
 

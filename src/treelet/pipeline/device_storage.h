@@ -17,7 +17,32 @@
 
 namespace treelet::cuda {
 
-using Storage = std::variant<Bvh2Storage, Bvh8Storage>;
+using Storage = std::variant<Bvh2Storage, Bvh8Storage, CwbvhStorage>;
+
+/// The links that refits of a layout need (layout/device_refit_layout.h).
+class LinkMemory {
+ public:
+  LinkMemory(const Storage& layout, std::uint32_t node_capacity, Stream stream)
+      : bytes_(node_capacity * link_size(layout), stream) {}
+
+  template <class Layout>
+  LinkOf<Layout>* of(const Layout&) {
+    return reinterpret_cast<LinkOf<Layout>*>(bytes_.data());
+  }
+  std::size_t bytes() const { return bytes_.bytes(); }
+  void free_on(Stream stream) { bytes_.free_on(stream); }
+
+ private:
+  template <class Layout>
+  static constexpr std::size_t size_of(const LayoutStorage<Layout>&) {
+    return sizeof(LinkOf<Layout>);
+  }
+  static std::size_t link_size(const Storage& layout) {
+    return std::visit([](const auto& stored) { return size_of(stored); }, layout);
+  }
+
+  DeviceArray<std::byte> bytes_;
+};
 
 /// Memory of a build that carves itself.
 class Workspace {
@@ -45,7 +70,7 @@ struct UpdateMemory {
   DeviceArray<Face> faces;
   std::uint32_t vertex_count;
   Workspace workspace;
-  DeviceArray<NodeLink> links;
+  LinkMemory links;
 
   DeviceMesh mesh(const Vec3* vertices) const {
     return {vertices, faces.data(), vertex_count, std::uint32_t(faces.size())};
@@ -65,13 +90,16 @@ inline void free_on(Storage& storage, Stream stream) {
 inline Storage allocate(const Recipe& recipe, std::uint32_t nodes, std::uint32_t items,
                         Stream stream) {
   if (recipe.layout.word->name == "bvh2") return Bvh2Storage(nodes, items, stream);
-  return Bvh8Storage(nodes, items, stream);
+  if (recipe.layout.word->name == "bvh8") return Bvh8Storage(nodes, items, stream);
+  return CwbvhStorage(nodes, items, stream);
 }
 
 inline const Array<PackedTriangle>& items_of(const Bvh2& bvh) { return bvh.triangles; }
 inline const Array<TriangleBlock>& items_of(const Bvh8& bvh) { return bvh.blocks; }
+inline const Array<CwbvhTriangle>& items_of(const Cwbvh& bvh) { return bvh.triangles; }
 inline std::size_t triangle_count(const Bvh2& bvh) { return bvh.triangles.size(); }
 inline std::size_t triangle_count(const Bvh8& bvh) { return bvh.triangle_count; }
+inline std::size_t triangle_count(const Cwbvh& bvh) { return bvh.triangles.size(); }
 
 template <class Stored, class Layout>
 Storage upload_layout(const Layout& bvh, Stream stream) {
@@ -94,6 +122,9 @@ inline Storage upload_any(const Bvh2& bvh, Stream stream) {
 }
 inline Storage upload_any(const Bvh8& bvh, Stream stream) {
   return upload_layout<Bvh8Storage>(bvh, stream);
+}
+inline Storage upload_any(const Cwbvh& bvh, Stream stream) {
+  return upload_layout<CwbvhStorage>(bvh, stream);
 }
 
 }  // namespace treelet::cuda
