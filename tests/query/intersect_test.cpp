@@ -5,6 +5,7 @@
 #include <treelet/build/lbvh.h>
 #include <treelet/layout/pack_bvh2.h>
 #include <treelet/layout/pack_bvh8.h>
+#include <treelet/layout/pack_cwbvh.h>
 #include <treelet/pipeline/build.h>
 
 #include <cmath>
@@ -126,8 +127,11 @@ template <class Layout>
 Layout pack(const Mesh& mesh) {
   const References references = create_references(mesh);
   const BinaryTree tree = build_lbvh(references);
-  if constexpr (std::is_same_v<Layout, Bvh2>) return pack_bvh2(tree, references, mesh, {});
-  if constexpr (std::is_same_v<Layout, Bvh8>) return pack_bvh8(tree, references, mesh, {});
+  if constexpr (std::is_same_v<Layout, Bvh2>) return pack_bvh2(tree, references, mesh, SahModel{});
+  if constexpr (std::is_same_v<Layout, Bvh8>)
+    return pack_bvh8(tree, references, mesh, WideCostModel{});
+  if constexpr (std::is_same_v<Layout, Cwbvh>)
+    return pack_cwbvh(tree, references, mesh, CwbvhCostModel{});
 }
 
 template <class Layout>
@@ -143,7 +147,7 @@ class Batches : public testing::Test {
   const Layout bvh_ = pack<Layout>(mesh_.view());
   const std::vector<Ray> rays_ = test::rays_at(mesh_.view(), 500, 6);
 };
-using Layouts = testing::Types<Bvh2, Bvh8>;
+using Layouts = testing::Types<Bvh2, Bvh8, Cwbvh>;
 TYPED_TEST_SUITE(Batches, Layouts);
 
 TYPED_TEST(Batches, AnswerLikeSingleRays) {

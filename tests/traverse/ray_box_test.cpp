@@ -2,11 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <ostream>
-#include <string>
+#include <limits>
 
+#include "support/box_rays.h"
 #include "support/exact_ray.h"
 #include "support/random.h"
 
@@ -23,67 +21,15 @@ bool hits(const Ray& ray, const Aabb& box, const Aabb& scene) {
   return span_of(ray, box, scene).is_hit();
 }
 
-/// A point of the box, on some of its sides as often as not: faces, edges and corners.
-Vec3 point_on_sides(test::Random& random, const Aabb& box) {
-  const auto coordinate = [&](float lower, float upper) {
-    const std::uint64_t side = random.below(4);
-    return side == 0 ? lower : side == 1 ? upper : random.uniform(lower, upper);
-  };
-  const float x = coordinate(box.lower.x, box.upper.x), y = coordinate(box.lower.y, box.upper.y);
-  return {x, y, coordinate(box.lower.z, box.upper.z)};
-}
-
-Aabb random_box(test::Random& random) {
-  const Vec3 lower = random.point(-1.0f, 1.0f);
-  Vec3 extent = random.point(0.0f, 1.0f) * std::ldexp(1.0f, -int(random.below(24)));
-  if (random.below(3) == 0) extent.x = 0.0f;
-  if (random.below(3) == 0) extent.y = 0.0f;
-  if (random.below(3) == 0) extent.z = 0.0f;
-  return {lower, lower + extent};
-}
-
-/// A ray that grazes the box or passes it closely, along an axis now and then, with limits near
-/// where it passes.
-Ray random_ray(test::Random& random, const Aabb& box) {
-  const Vec3 target = point_on_sides(random, box);
-  Vec3 direction = random.point(-1.0f, 1.0f);
-  if (random.below(3) == 0) direction.x = 0.0f;
-  if (random.below(3) == 0) direction.y = 0.0f;
-  if (random.below(6) == 0) direction.z *= 1e-6f;
-  if (random.below(6) == 0) direction.x = 1e-9f;
-  if (direction == Vec3{0, 0, 0}) direction.z = -1.0f;
-  const float distance = std::ldexp(random.uniform(-1.0f, 1.0f), int(random.below(20)));
-  Ray ray;
-  ray.origin = target - direction * distance;
-  ray.direction = direction * std::ldexp(1.0f, int(random.below(41)) - 20);
-  const float t = distance * (direction.x != 0.0f   ? direction.x / ray.direction.x
-                              : direction.y != 0.0f ? direction.y / ray.direction.y
-                                                    : direction.z / ray.direction.z);
-  const std::uint64_t limits = random.below(4);
-  ray.t_min = limits == 0 ? t : std::min(t, 0.0f) - std::fabs(t);
-  ray.t_max = limits == 1 ? t : ray.t_min + 4.0f * std::fabs(t) + 1e-30f;
-  if (limits == 3) ray.t_max = std::nextafter(t, -kInfinity);
-  return ray;
-}
-
-struct Scale {
-  const char* name;
-  float factor;
-};
-std::ostream& operator<<(std::ostream& out, const Scale& scale) { return out << scale.name; }
-
-class RayBoxScale : public testing::TestWithParam<Scale> {};
+class RayBoxScale : public testing::TestWithParam<test::Scale> {};
 
 TEST_P(RayBoxScale, NeverMissesABoxThatTheExactRayMeets) {
   const float factor = GetParam().factor;
   test::Random random(1);
   int met = 0, missed = 0, spurious = 0;
   for (int i = 0; i < 60000 && !HasFailure(); ++i) {
-    Aabb box = random_box(random);
-    Ray ray = random_ray(random, box);
-    box = {box.lower * factor, box.upper * factor};
-    ray.origin = ray.origin * factor;
-    ray.direction = ray.direction * factor;
+    const Aabb unit_box = test::random_box(random), box = test::scaled(unit_box, factor);
+    const Ray ray = test::scaled(test::random_ray_at(random, unit_box), factor);
     if (ray.direction == Vec3{0, 0, 0}) continue;
     const Aabb scene = merge(box, box.lower + (box.upper - box.lower) * 1.5f);
     const bool meets = test::exact_meets_box(ray, box), reported = hits(ray, box, scene);
@@ -98,8 +44,8 @@ TEST_P(RayBoxScale, NeverMissesABoxThatTheExactRayMeets) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scales, RayBoxScale,
-                         testing::Values(Scale{"One", 1.0f}, Scale{"Huge", 1e30f},
-                                         Scale{"Tiny", 1e-30f}),
+                         testing::Values(test::Scale{"One", 1.0f}, test::Scale{"Huge", 1e30f},
+                                         test::Scale{"Tiny", 1e-30f}),
                          [](const auto& test) { return test.param.name; });
 
 const Aabb kUnit{{0, 0, 0}, {1, 1, 1}};

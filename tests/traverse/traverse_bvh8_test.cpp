@@ -8,9 +8,14 @@
 #include <treelet/traverse/is_traceable.h>
 #include <treelet/traverse/tracer.h>
 
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "support/isas.h"
 #include "support/mesh_rays.h"
 #include "support/meshes.h"
 #include "support/random.h"
@@ -19,34 +24,83 @@
 namespace treelet {
 namespace {
 
-std::vector<Isa> runnable_isas() {
-  std::vector<Isa> isas;
-  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
-    if (isa <= best_isa()) isas.push_back(isa);
+template <class Answer>
+std::vector<Answer> trace(Bvh8Tracer::Trace<Answer> kernel, const Bvh8& bvh,
+                          std::span<const Ray> rays) {
+  WaveStacks stacks(bvh, rays.size());
+  const auto answers = std::make_unique<Answer[]>(rays.size());
+  kernel(Bvh8View(bvh), rays.data(), rays.size(), answers.get(), stacks.view());
+  return std::vector<Answer>(answers.get(), answers.get() + rays.size());
+}
+
+std::vector<Hit> brute_force(const Mesh& mesh, std::span<const Ray> rays) {
+  std::vector<Hit> hits;
+  for (const Ray& ray : rays) hits.push_back(intersect_brute_force(mesh, ray));
+  return hits;
+}
+
+/// With every kernel that runs here, all rays at once.
+void expect_answers(const Bvh8& bvh, std::span<const Ray> rays, const std::vector<Hit>& expected) {
+  for (const Isa isa : test::runnable_isas()) {
+    SCOPED_TRACE("isa " + std::to_string(int(isa)));
+    const std::vector<Hit> hits = trace(bvh8_tracer(isa).closest, bvh, rays);
+    const std::vector<bool> occluded = trace(bvh8_tracer(isa).any, bvh, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(hits[i], expected[i]) << "ray " << i;
+      ASSERT_EQ(occluded[i], expected[i].is_hit()) << "ray " << i;
+    }
   }
-  return isas;
 }
 
 TEST(TraverseBvh8, AnswersLikeBruteForceForEveryInstructionSet) {
   for (const auto& [name, mesh] : test::hard_meshes()) {
+    SCOPED_TRACE(name + ", rays of seed 7");
     const References references = create_references(mesh.view());
     if (references.size() == 0) continue;
     const std::vector<Ray> rays = test::rays_at(mesh.view(), 40, 7);
+    const std::vector<Hit> expected = brute_force(mesh.view(), rays);
     for (const std::uint32_t leaf_limit : {1u, 16u}) {
-      const Bvh8 bvh =
-          pack_bvh8(build_lbvh(references), references, mesh.view(), {.leaf_limit = leaf_limit});
-      TraversalStack stack(stack_capacity(bvh));
-      for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (!is_traceable(rays[i])) continue;
-        const Hit expected = intersect_brute_force(mesh.view(), rays[i]);
-        for (const Isa isa : runnable_isas()) {
-          SCOPED_TRACE(name + ", ray " + std::to_string(i) + " of seed 7, isa " +
-                       std::to_string(int(isa)));
-          const Bvh8Tracer tracer = bvh8_tracer(isa);
-          ASSERT_EQ(tracer.closest(Bvh8View(bvh), rays[i], stack.entries()), expected);
-          ASSERT_EQ(tracer.any(Bvh8View(bvh), rays[i], stack.entries()), expected.is_hit());
-        }
+      const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(),
+                                 WideCostModel{.leaf_limit = leaf_limit});
+      expect_answers(bvh, rays, expected);
+    }
+  }
+}
+
+// Floats decide most limits on t; those that are a hit's own t, and its neighbours, are for
+// doubles.
+TEST(TraverseBvh8, LimitsMayBeAHitsOwnTime) {
+  constexpr float inf = std::numeric_limits<float>::infinity();
+  for (const auto& [name, mesh] : test::hard_meshes()) {
+    SCOPED_TRACE(name + ", rays of seed 9");
+    const References references = create_references(mesh.view());
+    if (references.size() == 0) continue;
+    std::vector<Ray> rays;
+    for (const Ray& ray : test::rays_at(mesh.view(), 10, 9)) {
+      const Hit hit = intersect_brute_force(mesh.view(), ray);
+      if (!hit.is_hit()) continue;
+      for (const float t : {std::nextafter(hit.t, -inf), hit.t, std::nextafter(hit.t, inf)}) {
+        rays.push_back({ray.origin, ray.direction, ray.t_min, t});
+        rays.push_back({ray.origin, ray.direction, t, ray.t_max});
+        rays.push_back({ray.origin, ray.direction, t, t});
       }
+    }
+    const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), WideCostModel{});
+    expect_answers(bvh, rays, brute_force(mesh.view(), rays));
+  }
+}
+
+TEST(TraverseBvh8, ARayAloneIsAnsweredAsInABatch) {
+  const test::OwnedMesh mesh = test::triangle_soup(2000, 5);
+  const References references = create_references(mesh.view());
+  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), WideCostModel{});
+  const std::vector<Ray> rays = test::rays_at(mesh.view(), 100, 3);
+  for (const Isa isa : test::runnable_isas()) {
+    const std::vector<Hit> hits = trace(bvh8_tracer(isa).closest, bvh, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const std::vector<Hit> alone =
+          trace(bvh8_tracer(isa).closest, bvh, std::span(rays).subspan(i, 1));
+      ASSERT_EQ(alone[0], hits[i]) << "seed 3, ray " << i << ", isa " << int(isa);
     }
   }
 }
@@ -54,18 +108,19 @@ TEST(TraverseBvh8, AnswersLikeBruteForceForEveryInstructionSet) {
 TEST(TraverseBvh8, CountsTheSameWorkForEveryInstructionSet) {
   const test::OwnedMesh mesh = test::triangle_soup(2000, 5);
   const References references = create_references(mesh.view());
-  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), {});
-  TraversalStack stack(stack_capacity(bvh));
-  for (const Ray& ray : test::rays_at(mesh.view(), 100, 6)) {
-    if (!is_traceable(ray)) continue;
-    const Work baseline = bvh8_tracer(Isa::baseline).work(Bvh8View(bvh), ray, stack.entries());
-    EXPECT_GE(baseline.nodes, 1u);
-    EXPECT_LE(baseline.nodes, bvh.nodes.size());
-    EXPECT_LE(baseline.triangles, bvh.blocks.size());
-    for (const Isa isa : runnable_isas()) {
-      const Work work = bvh8_tracer(isa).work(Bvh8View(bvh), ray, stack.entries());
-      ASSERT_EQ(work.nodes, baseline.nodes);
-      ASSERT_EQ(work.triangles, baseline.triangles);
+  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), WideCostModel{});
+  const std::vector<Ray> rays = test::rays_at(mesh.view(), 100, 6);
+  const std::vector<Work> baseline = trace(bvh8_tracer(Isa::baseline).work, bvh, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(baseline[i].nodes >= 1, is_traceable(rays[i]));
+    EXPECT_LE(baseline[i].nodes, bvh.nodes.size());
+    EXPECT_LE(baseline[i].triangles, 4 * bvh.blocks.size());
+  }
+  for (const Isa isa : test::runnable_isas()) {
+    const std::vector<Work> work = trace(bvh8_tracer(isa).work, bvh, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(work[i].nodes, baseline[i].nodes) << "seed 6, ray " << i;
+      ASSERT_EQ(work[i].triangles, baseline[i].triangles) << "seed 6, ray " << i;
     }
   }
 }
@@ -74,11 +129,13 @@ TEST(TraverseBvh8, CountsTheSameWorkForEveryInstructionSet) {
 TEST(TraverseBvh8, WalksAChain) {
   const test::OwnedMesh mesh = test::triangle_soup(3000, 4);
   const References references = create_references(mesh.view());
-  const Bvh8 bvh =
-      pack_bvh8(test::chain_tree(references), references, mesh.view(), {.leaf_limit = 1});
+  const Bvh8 bvh = pack_bvh8(test::chain_tree(references), references, mesh.view(),
+                             WideCostModel{.leaf_limit = 1});
   EXPECT_GT(bvh.depth, 200u);
+  const std::vector<Ray> rays = test::rays_at(mesh.view(), 10, 8);
+  expect_answers(bvh, rays, brute_force(mesh.view(), rays));
   Tracer<Bvh8> tracer(bvh);
-  for (const Ray& ray : test::rays_at(mesh.view(), 10, 8)) {
+  for (const Ray& ray : rays) {
     ASSERT_EQ(tracer.closest(ray), intersect_brute_force(mesh.view(), ray));
   }
 }
@@ -92,7 +149,7 @@ TEST(TraverseBvh8, AnEmptyTreeAndBadRaysMiss) {
 
   const test::OwnedMesh mesh = test::two_triangles();
   const References references = create_references(mesh.view());
-  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), {});
+  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), WideCostModel{});
   Tracer<Bvh8> tracer(bvh);
   EXPECT_TRUE(tracer.any({.origin = {0.5f, 0.25f, -1}, .direction = {0, 0, 1}}));
   EXPECT_FALSE(tracer.any({.origin = {0.5f, 0.25f, -1}, .direction = {0, 0, 0}}));
@@ -103,7 +160,7 @@ TEST(TraverseBvh8, AnEmptyTreeAndBadRaysMiss) {
 TEST(TraverseBvh8, AFarOriginStillCulls) {
   const test::OwnedMesh mesh = test::icosphere(5);
   const References references = create_references(mesh.view());
-  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), {});
+  const Bvh8 bvh = pack_bvh8(build_lbvh(references), references, mesh.view(), WideCostModel{});
   Tracer<Bvh8> tracer(bvh);
   test::Random random(3);
   for (int i = 0; i < 100; ++i) {

@@ -14,6 +14,9 @@ namespace treelet::cuda {
 /// Work as two arrays in device memory.
 struct WorkArrays {
   std::uint32_t *nodes, *triangles;
+
+  /// The work of the rays from one on.
+  WorkArrays from(std::size_t ray) const { return {nodes + ray, triangles + ray}; }
 };
 
 // The answers are the CPU's, bit for bit (query/intersect.h); outputs are in device memory. `depth`

@@ -9,7 +9,7 @@
 namespace treelet {
 namespace {
 
-constexpr std::size_t kRaysPerTask = 512;
+constexpr std::size_t kRaysPerTask = 1024;
 
 void check_room(std::size_t answers, const RayBatch& rays) {
   if (answers >= rays.size) return;
@@ -17,12 +17,17 @@ void check_room(std::size_t answers, const RayBatch& rays) {
                               std::to_string(rays.size) + " rays");
 }
 
-/// Calls trace(tracer, ray index) for each ray of the batch.
-template <class Layout, class Trace>
-void trace_batch(const Layout& bvh, const RayBatch& rays, Trace&& trace) {
+/// Calls trace(tracer, rays, answers) for parts of the batch, then put(ray, answer) for each ray.
+template <class Answer, class Layout, class Trace, class Put>
+void trace_batch(const Layout& bvh, const RayBatch& rays, Trace&& trace, Put&& put) {
   parallel_for_ranges(rays.size, kRaysPerTask, [&](std::size_t begin, std::size_t end) {
-    Tracer<Layout> tracer(bvh);
-    for (std::size_t i = begin; i < end; ++i) trace(tracer, i);
+    const std::size_t count = end - begin;
+    Ray part[kRaysPerTask];
+    Answer answers[kRaysPerTask];
+    for (std::size_t k = 0; k < count; ++k) part[k] = rays[rays.ray_of(begin + k)];
+    Tracer<Layout> tracer(bvh, count);
+    trace(tracer, std::span<const Ray>(part, count), answers);
+    for (std::size_t k = 0; k < count; ++k) put(rays.ray_of(begin + k), answers[k]);
   });
 }
 
@@ -41,25 +46,32 @@ bool is_occluded(const Layout& bvh, const Ray& ray) {
 template <class Layout>
 void intersect(const Layout& bvh, const RayBatch& rays, std::span<Hit> hits) {
   check_room(hits.size(), rays);
-  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { hits[i] = tracer.closest(rays[i]); });
+  trace_batch<Hit>(
+      bvh, rays, [](auto& tracer, auto part, Hit* found) { tracer.closest(part, found); },
+      [&](std::size_t ray, const Hit& hit) { hits[ray] = hit; });
 }
 
 template <class Layout>
 void intersect(const Layout& bvh, const RayBatch& rays, const HitArrays& hits) {
-  trace_batch(bvh, rays,
-              [&](auto& tracer, std::size_t i) { hits.set(i, tracer.closest(rays[i])); });
+  trace_batch<Hit>(
+      bvh, rays, [](auto& tracer, auto part, Hit* found) { tracer.closest(part, found); },
+      [&](std::size_t ray, const Hit& hit) { hits.set(ray, hit); });
 }
 
 template <class Layout>
 void find_occluded(const Layout& bvh, const RayBatch& rays, std::span<bool> occluded) {
   check_room(occluded.size(), rays);
-  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { occluded[i] = tracer.any(rays[i]); });
+  trace_batch<bool>(
+      bvh, rays, [](auto& tracer, auto part, bool* found) { tracer.any(part, found); },
+      [&](std::size_t ray, bool found) { occluded[ray] = found; });
 }
 
 template <class Layout>
 void count_work(const Layout& bvh, const RayBatch& rays, std::span<Work> work) {
   check_room(work.size(), rays);
-  trace_batch(bvh, rays, [&](auto& tracer, std::size_t i) { work[i] = tracer.work(rays[i]); });
+  trace_batch<Work>(
+      bvh, rays, [](auto& tracer, auto part, Work* counts) { tracer.work(part, counts); },
+      [&](std::size_t ray, const Work& counts) { work[ray] = counts; });
 }
 
 #define TREELET_INSTANTIATE(Layout)                                             \
@@ -71,6 +83,7 @@ void count_work(const Layout& bvh, const RayBatch& rays, std::span<Work> work) {
   template void count_work(const Layout&, const RayBatch&, std::span<Work>);
 TREELET_INSTANTIATE(Bvh2)
 TREELET_INSTANTIATE(Bvh8)
+TREELET_INSTANTIATE(Cwbvh)
 #undef TREELET_INSTANTIATE
 
 }  // namespace treelet

@@ -6,6 +6,7 @@
 
 #include <treelet/layout/bvh2.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
 #include <treelet/query/ray_batch.h>
 #include <treelet/traverse/visitors.h>
 
@@ -23,11 +24,13 @@ struct HitArrays {
     u[ray] = hit.u;
     v[ray] = hit.v;
   }
+  /// The hits of the rays from one on.
+  HitArrays from(std::size_t ray) const { return {t + ray, face + ray, u + ray, v + ray}; }
 };
 
-// All for the layouts Bvh2 and Bvh8, with the same answers. Batches run on all threads, and the
-// answers do not depend on how many; their outputs hold one value a ray, and a shorter span is a
-// std::invalid_argument.
+// All for the layouts Bvh2, Bvh8 and Cwbvh, with the same answers. Batches run on all threads, and
+// the answers do not depend on how many; their outputs hold one value a ray, and a shorter span is
+// a std::invalid_argument.
 
 /// Closest hit of one ray.
 template <class Layout>

@@ -22,20 +22,10 @@
 
 namespace treelet {
 
-/// What the slab test needs of a ray. It measures t from its own origin in units of 2^k directions
-/// such that the largest component is in [1, 2): no reciprocal overflows, however long the
-/// direction.
-struct RayBox {
-  float origin[3];
-  float inverse[3];
-  float padding[3];  ///< in slab t
-  bool points_down[3];
+/// Slab t of a ray's t.
+struct SlabTime {
   double t_shift = 0.0;  ///< the ray's t at the slab test's origin
-  double t_scale;        ///< slab t over the ray's t
-
-  /// For the device, which calls ray_box_steps::set_up next.
-  RayBox() = default;
-  RayBox(const Ray& ray, const Aabb& scene);
+  double t_scale = 1.0;  ///< slab t over the ray's t
 
   // Limits on the ray's t as limits on slab t, an ulp wider.
   TREELET_INLINE float lower_limit(float t) const {
@@ -50,6 +40,20 @@ struct RayBox {
   static TREELET_INLINE double ulp(float t) {
     return (t < 0.0f ? -double(t) : double(t)) * 0x1p-23 + 0x1p-149;
   }
+};
+
+/// What the slab test needs of a ray. It measures t from its own origin in units of 2^k directions
+/// such that the largest component is in [1, 2): no reciprocal overflows, however long the
+/// direction.
+struct RayBox : SlabTime {
+  float origin[3];
+  float inverse[3];
+  float padding[3];  ///< in slab t
+  bool points_down[3];
+
+  /// For the device, which calls ray_box_steps::set_up next.
+  RayBox() = default;
+  RayBox(const Ray& ray, const Aabb& scene);
 };
 
 /// Where a ray enters and leaves a box, in slab t; it misses where enter > leave.

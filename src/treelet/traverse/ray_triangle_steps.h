@@ -11,6 +11,10 @@
 
 namespace treelet::ray_triangle_steps {
 
+constexpr double kDoubleEdgeError = 0x1p-48;  // 32u, for u = 2^-53
+/// Error bounds in a sum from which on its error moves a hit by less than 2^-24 of the reach.
+constexpr double kAccurateSum = 0x1p26;
+
 TREELET_HD inline double largest(double a, double b, double c) {
   const double d = a < b ? b : a;
   return d < c ? c : d;
@@ -57,12 +61,11 @@ TREELET_HD inline double edge_function(const ShearedVertex& p, const ShearedVert
 /// that.
 TREELET_HD inline double error_bound(const RayShear& ray, const ShearedVertex& a,
                                      const ShearedVertex& b, const ShearedVertex& c) {
-  constexpr double kError = 0x1p-48;  // 32u
   const double m = largest(largest(std::fabs(a.x), std::fabs(a.y), std::fabs(b.x)), std::fabs(b.y),
                            largest(std::fabs(c.x), std::fabs(c.y), 0.0));
   const double z = largest(std::fabs(a.z), std::fabs(b.z), std::fabs(c.z)) *
                    std::fabs(double(ray.direction[ray.axis[2]]));
-  return kError * m * (m + z);
+  return kDoubleEdgeError * m * (m + z);
 }
 
 /// Edge function of q and p with the exact sign: the triple product times the direction's z.
@@ -81,8 +84,6 @@ TREELET_HD inline bool all_same_sign(double u, double v, double w) {
 /// intersect_exactly of traverse/ray_triangle.h.
 TREELET_HD inline bool intersect(const RayShear& ray, const Triangle& triangle, TriangleHit& hit) {
   constexpr double inf = std::numeric_limits<double>::infinity();
-  constexpr double kAccurateSum =
-      0x1p26;  // error bounds in a sum: its error moves a hit by u of the reach
   const ShearedVertex a = shear(ray, triangle.p0);
   const ShearedVertex b = shear(ray, triangle.p1);
   const ShearedVertex c = shear(ray, triangle.p2);

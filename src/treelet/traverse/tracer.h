@@ -1,22 +1,40 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
 #include <treelet/traverse/traverse_bvh2.h>
 #include <treelet/traverse/traverse_bvh8.h>
+#include <treelet/traverse/traverse_cwbvh.h>
 
 namespace treelet {
 
-/// Traces single rays through a layout, with a stack of its own: one a thread.
+/// Traces rays through a layout, with a stack of its own: one a thread. `rays` is how many are
+/// traced at a time; an answer is written for each.
 template <class Layout>
 class Tracer;
 
-template <>
-class Tracer<Bvh2> {
+/// Of a layout whose traversal goes from child to child.
+template <class Layout>
+class ScalarTracer {
  public:
-  explicit Tracer(const Bvh2& bvh) : bvh_(bvh), stack_(stack_capacity(bvh)) {}
+  explicit ScalarTracer(const Layout& bvh, std::size_t /*rays*/ = 1)
+      : bvh_(bvh), stack_(stack_capacity(bvh)) {}
 
   Hit closest(const Ray& ray) { return trace<ClosestHit<>>(ray).hit; }
   bool any(const Ray& ray) { return trace<AnyHit>(ray).found; }
   Work work(const Ray& ray) { return trace<ClosestHit<Counting>>(ray).work; }
+
+  void closest(std::span<const Ray> rays, Hit* hits) {
+    for (const Ray& ray : rays) *hits++ = closest(ray);
+  }
+  void any(std::span<const Ray> rays, bool* occluded) {
+    for (const Ray& ray : rays) *occluded++ = any(ray);
+  }
+  void work(std::span<const Ray> rays, Work* counts) {
+    for (const Ray& ray : rays) *counts++ = work(ray);
+  }
 
  private:
   template <class Visitor>
@@ -26,29 +44,54 @@ class Tracer<Bvh2> {
     return visitor;
   }
 
-  const Bvh2& bvh_;
+  const Layout& bvh_;
   TraversalStack stack_;
+};
+
+template <>
+class Tracer<Bvh2> : public ScalarTracer<Bvh2> {
+ public:
+  using ScalarTracer::ScalarTracer;
+};
+
+template <>
+class Tracer<Cwbvh> : public ScalarTracer<Cwbvh> {
+ public:
+  using ScalarTracer::ScalarTracer;
 };
 
 template <>
 class Tracer<Bvh8> {
  public:
-  explicit Tracer(const Bvh8& bvh)
-      : bvh_(bvh), stack_(stack_capacity(bvh)), kernels_(bvh8_tracer(best_isa())) {}
+  explicit Tracer(const Bvh8& bvh, std::size_t rays = 1)
+      : bvh_(bvh), stacks_(bvh, rays), kernels_(bvh8_tracer(best_isa())) {}
 
-  Hit closest(const Ray& ray) {
-    return can_hit(ray) ? kernels_.closest(bvh_, ray, stack_.entries()) : Hit{};
-  }
-  bool any(const Ray& ray) { return can_hit(ray) && kernels_.any(bvh_, ray, stack_.entries()); }
-  Work work(const Ray& ray) {
-    return can_hit(ray) ? kernels_.work(bvh_, ray, stack_.entries()) : Work{};
-  }
+  Hit closest(const Ray& ray) { return trace_one(kernels_.closest, ray); }
+  bool any(const Ray& ray) { return trace_one(kernels_.any, ray); }
+  Work work(const Ray& ray) { return trace_one(kernels_.work, ray); }
+
+  void closest(std::span<const Ray> rays, Hit* hits) { trace(kernels_.closest, rays, hits); }
+  void any(std::span<const Ray> rays, bool* occluded) { trace(kernels_.any, rays, occluded); }
+  void work(std::span<const Ray> rays, Work* counts) { trace(kernels_.work, rays, counts); }
 
  private:
-  bool can_hit(const Ray& ray) const { return bvh_.nodes != nullptr && is_traceable(ray); }
+  template <class Answer>
+  void trace(Bvh8Tracer::Trace<Answer> kernel, std::span<const Ray> rays, Answer* answers) {
+    if (bvh_.nodes == nullptr) {
+      std::fill_n(answers, rays.size(), Answer{});
+    } else {
+      kernel(bvh_, rays.data(), rays.size(), answers, stacks_.view());
+    }
+  }
+  template <class Answer>
+  Answer trace_one(Bvh8Tracer::Trace<Answer> kernel, const Ray& ray) {
+    Answer answer;
+    trace(kernel, {&ray, 1}, &answer);
+    return answer;
+  }
 
   const Bvh8View bvh_;
-  TraversalStack stack_;
+  WaveStacks stacks_;
   const Bvh8Tracer kernels_;
 };
 

@@ -1,103 +1,74 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include <treelet/layout/device_layout.h>
 #include <treelet/traverse/device_stack.h>
-#include <treelet/traverse/is_traceable.h>
-#include <treelet/core/launch.cuh>
 #include <treelet/traverse/device_ray.cuh>
+#include <treelet/traverse/load.cuh>
 
 namespace treelet::cuda {
 
-/// One thread's ray through the binary layout: nearer children first, farther ones on a stack in
-/// local memory [AilaLaine2009]. Differs: a leaf is visited as soon as its node is, since on
-/// processors with a program counter a thread postponing it gains little.
+/// One thread's ray through the binary layout: nearer children first, farther ones on a stack. What
+/// is on top of it stays in registers.
 template <class Visitor>
 class Bvh2Traversal {
  public:
-  __device__ Bvh2Traversal(const DeviceBvh2& bvh, const Ray& ray, StackEntry* stack,
-                           Visitor& visitor)
-      : bvh_(bvh), ray_(ray, bvh.summary->bounds, visitor), stack_(stack) {}
+  __device__ Bvh2Traversal(const DeviceBvh2& bvh, RayMemory<Visitor>& ray, WaitingChild* stack)
+      : bvh_(bvh), ray_(ray), stack_(stack) {}
 
-  __device__ void run() {
-    std::uint32_t node = 0;
-    do {
-      if (!visit_node(node)) return;
-    } while (pop(node));
-  }
+  __device__ DeviceRay<Visitor>& ray() { return ray_; }
 
- private:
-  /// False when the visitor is done.
-  __device__ bool visit_node(std::uint32_t index) {
-    ray_.count_node();
-    const Bvh2Node node = load_node(index);
-    const BoxSpan span[2] = {ray_.intersect(node.box[0]), ray_.intersect(node.box[1])};
-    const int nearer = span[1].enter < span[0].enter;
-    return (nearer == 0 ? visit_children<0>(node, span) : visit_children<1>(node, span));
-  }
-
-  template <int kNearer>
-  __device__ bool visit_children(const Bvh2Node& node, const BoxSpan (&span)[2]) {
-    constexpr int kFarther = 1 - kNearer;
-    if (!visit_if_leaf<kNearer>(node, span) || !visit_if_leaf<kFarther>(node, span)) return false;
-    push_if_internal<kFarther>(node, span);
-    push_if_internal<kNearer>(node, span);
+  __device__ bool visit_next() {
+    // A node that begins at the limit may hold an equal t of a smaller face; none begins at NaN.
+    while (!(next_.enter <= ray_.limit())) {
+      if (size_ == 0) return false;
+      next_ = stack_[--size_];
+    }
+    visit_node(load_by<uint4>(bvh_.nodes + next_.node));
     return true;
   }
 
-  template <int kChild>
-  __device__ bool visit_if_leaf(const Bvh2Node& node, const BoxSpan (&span)[2]) {
-    if (!node.is_leaf(kChild) || !span[kChild].is_hit() || span[kChild].enter > ray_.limit()) {
-      return true;
-    }
-    const std::uint32_t end = node.index[kChild] + node.count[kChild];
-    for (std::uint32_t i = node.index[kChild]; i < end; ++i) {
-      ray_.count_triangles(1);
-      const PackedTriangle packed = bvh_.items[i];
-      if (ray_.visit(packed.triangle(), packed.face)) return false;
-    }
-    return true;
-  }
-
-  template <int kChild>
-  __device__ void push_if_internal(const Bvh2Node& node, const BoxSpan (&span)[2]) {
-    if (node.is_leaf(kChild) || node.is_none(kChild) || !span[kChild].is_hit()) return;
-    stack_[size_++] = {node.index[kChild], span[kChild].enter};
-  }
-
-  /// Pops until a node begins before the limit, or at it: it may hold an equal t of a smaller face.
-  __device__ bool pop(std::uint32_t& node) {
-    while (size_ > 0) {
-      const StackEntry entry = stack_[--size_];
-      if (entry.enter <= ray_.limit()) {
-        node = entry.node;
-        return true;
-      }
+  __device__ bool find_candidate(Candidate& candidate) {
+    while (triangle_ != end_) {
+      ray_.count_triangle();
+      const PackedTriangle packed = load_by<uint2>(bvh_.items + triangle_++);
+      candidate = {packed.triangle(), packed.face};
+      if (ray_.may_hit(candidate.triangle)) return true;
     }
     return false;
   }
 
-  /// A node is half a 128-byte line: four loads of 16 bytes.
-  __device__ Bvh2Node load_node(std::uint32_t index) const {
-    Bvh2Node node;
-    const float4* from = reinterpret_cast<const float4*>(bvh_.nodes + index);
-    float4* to = reinterpret_cast<float4*>(&node);
-    for (int i = 0; i < 4; ++i) to[i] = __ldg(from + i);
-    return node;
+ private:
+  __device__ void visit_node(const Bvh2Node& node) {
+    ray_.count_node();
+    const BoxSpan span[2] = {ray_.intersect(node.box[0]), ray_.intersect(node.box[1])};
+    const bool is_hit[2] = {span[0].is_hit(), span[1].is_hit()};
+    // Two leaves of one node are neighbours: their triangles are one run.
+    const std::uint32_t count[2] = {is_hit[0] ? node.count[0] : 0, is_hit[1] ? node.count[1] : 0};
+    triangle_ = count[0] > 0 ? node.index[0] : node.index[1];
+    end_ = triangle_ + count[0] + count[1];
+
+    const WaitingChild none{0, NAN};
+    const WaitingChild child[2] = {{node.index[0], span[0].enter}, {node.index[1], span[1].enter}};
+    const bool goes_on[2] = {is_hit[0] && node.count[0] == 0, is_hit[1] && node.count[1] == 0};
+    const bool swapped = goes_on[1] && !(goes_on[0] && span[0].enter <= span[1].enter);
+    if (goes_on[0] && goes_on[1]) stack_[size_++] = swapped ? child[0] : child[1];
+    next_ = swapped ? child[1] : goes_on[0] ? child[0] : none;
   }
 
   const DeviceBvh2& bvh_;
   DeviceRay<Visitor> ray_;
-  StackEntry* const stack_;
-  int size_ = 0;
+  WaitingChild* const stack_;
+  std::uint32_t size_ = 0;
+  WaitingChild next_{0, -INFINITY};       ///< first the root
+  std::uint32_t triangle_ = 0, end_ = 0;  ///< to be tested
 };
 
 template <class Visitor>
-__device__ void traverse(const DeviceBvh2& bvh, const Ray& ray, StackEntry* stack,
-                         Visitor& visitor) {
-  if (bvh.summary->size.nodes == 0 || !is_traceable(ray)) return;
-  Bvh2Traversal<Visitor>(bvh, ray, stack, visitor).run();
+__device__ void traverse(const DeviceBvh2& bvh, RayMemory<Visitor>& ray, WaitingChild* stack) {
+  run(Bvh2Traversal<Visitor>(bvh, ray, stack));
 }
 
 }  // namespace treelet::cuda

@@ -1,41 +1,55 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include <treelet/layout/device_layout.h>
 #include <treelet/traverse/device_stack.h>
-#include <treelet/traverse/is_traceable.h>
-#include <treelet/core/launch.cuh>
 #include <treelet/traverse/device_ray.cuh>
 
 namespace treelet::cuda {
 
-/// One thread's ray through the CPU's wide layout: for trees that were moved to the device as they
-/// are. Its nodes of 256 bytes are made for SIMD; what is built here takes another layout.
+/// One thread's ray through the CPU's wide layout: for trees that are there for both. Its nodes of
+/// 256 bytes are made for SIMD; the wide layout for devices is the compressed one.
 template <class Visitor>
 class Bvh8Traversal {
  public:
-  __device__ Bvh8Traversal(const DeviceBvh8& bvh, const Ray& ray, StackEntry* stack,
-                           Visitor& visitor)
-      : bvh_(bvh), ray_(ray, bvh.summary->bounds, visitor), stack_(stack) {}
+  __device__ Bvh8Traversal(const DeviceBvh8& bvh, RayMemory<Visitor>& ray, WaitingChild* stack)
+      : bvh_(bvh), ray_(ray), stack_(stack) {
+    stack_[size_++] = {WideChild::kNone, -INFINITY};  // the root has the number of no child
+  }
 
-  __device__ void run() {
-    push({WideChild::kNone, -INFINITY});  // the root has the number of no child
-    while (size_ > 0) {
-      const StackEntry entry = stack_[--size_];
-      if (entry.enter > ray_.limit()) continue;
-      const WideChild child{entry.node};
-      if (!child.is_leaf()) {
-        push_children(bvh_.nodes[child.node()]);
-      } else if (!visit_leaf(child)) {
-        return;
-      }
+  __device__ DeviceRay<Visitor>& ray() { return ray_; }
+
+  __device__ bool visit_next() {
+    if (size_ == 0) return false;
+    const WaitingChild next = stack_[--size_];
+    if (next.enter > ray_.limit()) return true;
+    const WideChild child{next.node};
+    if (child.is_leaf()) {
+      lane_ = child.first_block() * TriangleBlock::kTriangles;
+      end_ = lane_ + child.block_count() * TriangleBlock::kTriangles;
+    } else {
+      push_children(bvh_.nodes[child.node()]);
     }
+    return true;
+  }
+
+  __device__ bool find_candidate(Candidate& candidate) {
+    for (; lane_ < end_; ++lane_) {
+      const TriangleBlock& block = bvh_.items[lane_ / TriangleBlock::kTriangles];
+      const std::uint32_t lane = lane_ % TriangleBlock::kTriangles;
+      if (block.face[lane] == TriangleBlock::kNoFace) continue;
+      ray_.count_triangle();
+      candidate = {block.triangle(lane), block.face[lane]};
+      if (!ray_.may_hit(candidate.triangle)) continue;
+      ++lane_;
+      return true;
+    }
+    return false;
   }
 
  private:
-  __device__ void push(StackEntry entry) { stack_[size_++] = entry; }
-
   /// Pushes the children that are met, the nearest last.
   __device__ void push_children(const Bvh8Node& node) {
     ray_.count_node();
@@ -53,31 +67,16 @@ class Bvh8Traversal {
     }
   }
 
-  /// False when the visitor is done.
-  __device__ bool visit_leaf(WideChild leaf) {
-    const TriangleBlock* block = bvh_.items + leaf.first_block();
-    const TriangleBlock* const end = block + leaf.block_count();
-    for (; block != end; ++block) {
-      for (std::uint32_t lane = 0; lane < TriangleBlock::kTriangles; ++lane) {
-        if (block->face[lane] == TriangleBlock::kNoFace) break;  // unused lanes come last
-        ray_.count_triangles(1);
-        if (ray_.visit(block->triangle(lane), block->face[lane])) return false;
-      }
-    }
-    return true;
-  }
-
   const DeviceBvh8& bvh_;
   DeviceRay<Visitor> ray_;
-  StackEntry* const stack_;
+  WaitingChild* const stack_;
   int size_ = 0;
+  std::uint32_t lane_ = 0, end_ = 0;  ///< lanes of blocks to be tested, counted over all blocks
 };
 
 template <class Visitor>
-__device__ void traverse(const DeviceBvh8& bvh, const Ray& ray, StackEntry* stack,
-                         Visitor& visitor) {
-  if (bvh.summary->size.nodes == 0 || !is_traceable(ray)) return;
-  Bvh8Traversal<Visitor>(bvh, ray, stack, visitor).run();
+__device__ void traverse(const DeviceBvh8& bvh, RayMemory<Visitor>& ray, WaitingChild* stack) {
+  run(Bvh8Traversal<Visitor>(bvh, ray, stack));
 }
 
 }  // namespace treelet::cuda

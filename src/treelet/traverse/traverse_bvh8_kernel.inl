@@ -1,234 +1,215 @@
-// Traversal of the wide layout: a ray against eight boxes, then against four triangles at once. See
-// core/lanes.inl for how this is included and what it must not call.
+// Traversal of the wide layout: a ray against eight boxes, then against the triangles of two blocks
+// at once, many rays in turns. See core/lanes.inl for how this is included and what it must not
+// call.
 
 #include <treelet/traverse/ray_box.h>
+#include <treelet/traverse/ray_box_steps.h>
 #include <treelet/traverse/ray_triangle.h>
+#include <treelet/traverse/ray_triangle_steps.h>
 #include <treelet/traverse/traverse_bvh8.h>
 #include <treelet/core/lanes.inl>
+#include <treelet/traverse/traverse_bvh8_blocks.inl>
+#include <treelet/traverse/traverse_bvh8_boxes.inl>
+#include <treelet/traverse/traverse_bvh8_exact.inl>
+#include <treelet/traverse/traverse_bvh8_ray.inl>
 
 namespace treelet::TREELET_ISA {
 namespace {
 
-constexpr int kWidth = Bvh8Node::kChildren;
-constexpr int kBoxLanes = kNativeLanes < kWidth ? kNativeLanes : kWidth;
-using BoxLanes = Lanes<kBoxLanes>;
-using TriangleLanes = Lanes<int(TriangleBlock::kTriangles)>;
+/// Numbers of the rays of a wave that wait for the same kind of child. Once more than there are
+/// rays: the place after the last is written in vain.
+struct Queue {
+  std::uint32_t rays[kWaveRays + 1];
+  unsigned count = 0;
+};
 
-TREELET_INLINE int lowest_bit(unsigned mask) { return __builtin_ctz(mask); }
+/// Where children of a kind lie: nodes, or blocks of leaves.
+struct ChildKind {
+  const char* first;
+  std::uint32_t index_bits, size;
 
-TREELET_INLINE void prefetch(const void* begin, unsigned bytes) {
-  for (unsigned offset = 0; offset < bytes; offset += 64) {
-    __builtin_prefetch(static_cast<const char*>(begin) + offset);
-  }
-}
-
-/// RayBox, broadcast to lanes; the slab test and its proof are those of traverse/ray_box.h.
-struct WideRayBox {
-  BoxLanes origin[3], inverse[3], padding[3], t_min;
-  int near_row[3], far_row[3];  // of a node's planes
-
-  TREELET_INLINE WideRayBox(const RayBox& ray, float slab_t_min)
-      : t_min(broadcast<BoxLanes>(slab_t_min)) {
-    for (int axis = 0; axis < 3; ++axis) {
-      origin[axis] = broadcast<BoxLanes>(ray.origin[axis]);
-      inverse[axis] = broadcast<BoxLanes>(ray.inverse[axis]);
-      padding[axis] = broadcast<BoxLanes>(ray.padding[axis]);
-      const bool down = ray.points_down[axis];
-      near_row[axis] = down ? axis + 3 : axis;
-      far_row[axis] = down ? axis : axis + 3;
-    }
-  }
-
-  /// Bit i: child i is met before the limit. Writes where each is entered.
-  TREELET_INLINE unsigned intersect(const Bvh8Node& node, float limit, float* entered) const {
-    unsigned mask = 0;
-    for (int lane = 0; lane < kWidth; lane += kBoxLanes) {
-      BoxLanes enter = t_min, leave = broadcast<BoxLanes>(limit);
-      for (int axis = 0; axis < 3; ++axis) {
-        const BoxLanes near_plane = load<BoxLanes>(node.planes[near_row[axis]] + lane);
-        const BoxLanes far_plane = load<BoxLanes>(node.planes[far_row[axis]] + lane);
-        enter = max(enter, (near_plane - origin[axis]) * inverse[axis] - padding[axis]);
-        leave = min(leave, (far_plane - origin[axis]) * inverse[axis] + padding[axis]);
-      }
-      store(entered + lane, enter);
-      mask |= at_most_mask(enter, leave) << lane;
-    }
-    return mask;
+  TREELET_INLINE const char* at(WideChild child) const {
+    return first + std::size_t(child.bits & index_bits) * size;
   }
 };
 
-/// RayShear, broadcast to lanes; may_intersect and its proof are those of traverse/ray_triangle.h.
-struct WideRayShear {
-  TriangleLanes origin[3], shear_x, shear_y;  // origin by permuted axis
-  int axis[3];
+/// What is looked for; an answer of it for every ray.
+template <class V, class A>
+struct Query {
+  using Visitor = V;
+  using Answer = A;
+};
+struct ClosestQuery : Query<ClosestHit<>, Hit> {
+  static constexpr bool kAny = false;
+  static TREELET_INLINE Hit answer(const Visitor& visitor) { return visitor.hit; }
+};
+struct AnyQuery : Query<AnyHit, bool> {
+  static constexpr bool kAny = true;
+  static TREELET_INLINE bool answer(const Visitor& visitor) { return visitor.found; }
+};
+struct WorkQuery : Query<ClosestHit<Counting>, Work> {
+  static constexpr bool kAny = false;
+  static TREELET_INLINE Work answer(const Visitor& visitor) { return visitor.work; }
+};
 
-  TREELET_INLINE explicit WideRayShear(const RayShear& ray)
-      : shear_x(broadcast<TriangleLanes>(ray.shear_x)),
-        shear_y(broadcast<TriangleLanes>(ray.shear_y)) {
-    const float origin_xyz[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
-    for (int i = 0; i < 3; ++i) {
-      axis[i] = ray.axis[i];
-      origin[i] = broadcast<TriangleLanes>(origin_xyz[axis[i]]);
+/// Rays that are traced in turns. In its turn a ray visits one child, a node or the blocks of a
+/// leaf, and the next child is fetched until its next turn. No turn depends on the one before, and
+/// one queue for nodes and one for leaves leave the processor nothing to guess.
+template <class Query>
+class Wave {
+  using Answer = typename Query::Answer;
+  using RayState = WaveRay<typename Query::Visitor>;
+
+ public:
+  TREELET_INLINE Wave(const Bvh8View& bvh, const Ray* rays, std::size_t count, Answer* answers)
+      : bvh_(bvh), scene_(bvh.bounds), source_(rays), count_(count), answers_(answers) {}
+
+  TREELET_INLINE void run(const WaveStacks::View& stacks) {
+    for (std::uint32_t i = 0; i < stacks.rays; ++i) {
+      std::uint32_t* const memory = stacks.memory + 2 * i * stacks.stride;
+      rays_[i].stack = {reinterpret_cast<std::int32_t*>(memory), memory + stacks.stride};
+      rays_[i].stack.keys[0] = 0;
+      rays_[i].stack.children[0] = WideChild::kNone;
+      start_next(i, nodes_.count);
     }
-  }
-
-  struct Vertex {
-    TriangleLanes x, y, z;
-  };
-
-  TREELET_INLINE Vertex shear(const TriangleBlock& block, int corner) const {
-    const auto coordinate = [&](int i) {
-      return load<TriangleLanes>(block.vertex[corner][axis[i]]) - origin[i];
-    };
-    const TriangleLanes z = coordinate(2);
-    return {coordinate(0) - shear_x * z, coordinate(1) - shear_y * z, z};
-  }
-
-  /// Bit i: triangle i cannot be ruled out.
-  TREELET_INLINE unsigned may_intersect(const TriangleBlock& block) const {
-    const Vertex a = shear(block, 0), b = shear(block, 1), c = shear(block, 2);
-    const TriangleLanes u = c.x * b.y - c.y * b.x;
-    const TriangleLanes v = a.x * c.y - a.y * c.x;
-    const TriangleLanes w = b.x * a.y - b.y * a.x;
-    const TriangleLanes m = max(max(larger(a.x, a.y), larger(b.x, b.y)), larger(c.x, c.y));
-    const TriangleLanes z = max(larger(a.z, b.z), larger(c.z, c.z));
-    const TriangleLanes bound = broadcast<TriangleLanes>(kEdgeError) * (m * (m + z)) +
-                                broadcast<TriangleLanes>(kSmallestNormal);
-    const TriangleLanes least = min(u, min(v, w)), most = max(u, max(v, w));
-    // A bit is kept where a bound is NaN, as it is where coordinates overflow.
-    const unsigned none_negative = ~less_mask(least, -bound);
-    const unsigned none_positive = ~less_mask(bound, most);
-    return (none_negative | none_positive) & 0xfu;
+    while (nodes_.count + leaves_.count != 0) {
+      visit_nodes();
+      visit_leaves();
+    }
   }
 
  private:
-  static TREELET_INLINE TriangleLanes larger(TriangleLanes a, TriangleLanes b) {
-    return max(max(a, -a), max(b, -b));
+  TREELET_INLINE void visit_nodes() {
+    const unsigned count = nodes_.count;
+    unsigned nodes = 0, leaves = leaves_.count;
+    for (unsigned k = 0; k < count; ++k) {
+      const std::uint32_t i = nodes_.rays[k];
+      RayState& ray = rays_[i];
+      ray.visitor.count_node();
+      const ChildStack top{ray.stack.keys + ray.size, ray.stack.children + ray.size};
+      ray.size += push_children<!Query::kAny>(ray.slabs, bvh_.nodes[ray.child.node()], top);
+      queue_next(i, nodes, leaves);
+    }
+    nodes_.count = nodes;
+    leaves_.count = leaves;
   }
-};
 
-template <class Visitor>
-class Bvh8Traversal {
- public:
-  TREELET_INLINE Bvh8Traversal(const Bvh8View& bvh, const RayBox& box, const RayShear& shear,
-                               const Ray& ray, TraversalStack::Entry* stack, Visitor& visitor)
-      : nodes_(bvh.nodes),
-        blocks_(bvh.blocks),
-        box_(box),
-        wide_box_(box, box.lower_limit(ray.t_min)),
-        shear_(shear),
-        wide_shear_(shear),
-        visitor_(visitor),
-        stack_(stack),
-        limit_(box.upper_limit(visitor.t_limit())) {}
+  TREELET_INLINE void visit_leaves() {
+    const unsigned count = leaves_.count;
+    unsigned nodes = nodes_.count, leaves = 0;
+    for (unsigned k = 0; k < count; ++k) {
+      const std::uint32_t i = leaves_.rays[k];
+      if (visit_leaf(rays_[i])) rays_[i].size = 1;
+      queue_next(i, nodes, leaves);
+    }
+    nodes_.count = nodes;
+    leaves_.count = leaves;
+  }
 
-  TREELET_INLINE void run() {
-    TraversalStack::Entry* top = stack_;
-    *top++ = {WideChild::kNone, -__builtin_inff()};  // the root has the number of no child
-    while (top != stack_) {
-      const TraversalStack::Entry entry = *--top;
-      if (entry.enter > limit_) continue;
-      const WideChild child{entry.node};
-      if (!child.is_leaf()) {
-        top = push_children(nodes_[child.node()], top);
-      } else if (visit_leaf(child)) {
+  /// Pops the ray's next child, or ends the ray and starts another.
+  TREELET_INLINE void queue_next(std::uint32_t i, unsigned& nodes, unsigned& leaves) {
+    RayState& ray = rays_[i];
+    const WideChild child{ray.stack.children[--ray.size]};
+    if (child.is_none()) {
+      answers_[ray.number] = Query::answer(ray.visitor);
+      return start_next(i, nodes);
+    }
+    ray.child = child;
+    const unsigned is_leaf = child.bits >> 31;
+    const char* const memory = kinds_[is_leaf].at(child);
+    for (unsigned offset = 0; offset < sizeof(Bvh8Node); offset += 64) {
+      __builtin_prefetch(memory + offset);
+    }
+    leaves_.rays[leaves] = i;
+    leaves += is_leaf;
+    nodes_.rays[nodes] = i;
+    nodes += 1 - is_leaf;
+  }
+
+  TREELET_INLINE void start_next(std::uint32_t i, unsigned& nodes) {
+    RayState& ray = rays_[i];
+    while (next_ != count_) {
+      ray.number = next_++;
+      if (ray.set_up(source_[ray.number], scene_)) {
+        ray.child = WideChild::node(0);
+        ray.size = 1;
+        nodes_.rays[nodes++] = i;
         return;
       }
+      answers_[ray.number] = Answer{};
     }
   }
 
- private:
-  /// Pushes the children that are met, the nearest last.
-  TREELET_INLINE TraversalStack::Entry* push_children(const Bvh8Node& node,
-                                                      TraversalStack::Entry* top) {
-    visitor_.count_node();
-    alignas(64) float entered[kWidth];
-    unsigned mask = wide_box_.intersect(node, limit_, entered);
-    TraversalStack::Entry* const first = top;
-    while (mask != 0) {
-      const int i = lowest_bit(mask);
-      mask &= mask - 1;
-      const WideChild child = node.child[i];
-      if (child.is_none()) break;  // met only where NaN clips nothing, and the last ones
-      prefetch_child(child);
-      TraversalStack::Entry* place = top++;
-      for (; place != first && place[-1].enter < entered[i]; --place) *place = place[-1];
-      *place = {child.bits, entered[i]};
+  /// True when the visitor is done.
+  TREELET_INLINE bool visit_leaf(RayState& ray) {
+    const TriangleBlock* const blocks = bvh_.blocks + ray.child.first_block();
+    const unsigned count = ray.child.block_count();
+    for (unsigned i = 0; i < count; i += kBlocks) {
+      const unsigned second = i + kBlocks <= count ? i + kBlocks - 1 : i;
+      const BlockPair pair{blocks + i, blocks + second};
+      const unsigned lanes = pair.used_lanes();
+      ray.visitor.count_triangles(unsigned(__builtin_popcount(lanes)));
+      const Verdict verdict = test_triangles(ray.shear, pair, lanes);
+      if (verdict.possible != 0 && visit_candidates(ray, pair, verdict)) return true;
     }
-    return top;
+    return false;
   }
 
-  TREELET_INLINE void prefetch_child(WideChild child) const {
-    if (child.is_leaf()) {
-      prefetch(blocks_ + child.first_block(), sizeof(TriangleBlock));
-    } else {
-      prefetch(nodes_ + child.node(), sizeof(Bvh8Node));
+  static TREELET_INLINE bool visit_candidates(RayState& ray, const BlockPair& pair,
+                                              Verdict verdict) {
+    if constexpr (Query::kAny) {
+      ray.visitor.found = verdict.certain != 0;
+      if (ray.visitor.found) return true;
     }
+    const float limit = ray.visitor.t_limit();
+    const TriangleBlock* const blocks[2] = {pair.first, pair.second};
+    for (int i = 0; i < kBlocks; ++i) {
+      const unsigned lanes = verdict.possible >> (4 * i) & 0xf;
+      if (lanes != 0 && visit_block(ray, *blocks[i], lanes)) return true;
+    }
+    if (ray.visitor.t_limit() != limit) ray.update_limit();
+    return false;
   }
 
-  TREELET_INLINE bool visit_leaf(WideChild leaf) {
-    const TriangleBlock* block = blocks_ + leaf.first_block();
-    const TriangleBlock* const end = block + leaf.block_count();
-    for (; block != end; ++block) {
-      visitor_.count_triangles(used_lanes(*block));
-      for (unsigned mask = wide_shear_.may_intersect(*block); mask != 0; mask &= mask - 1) {
-        if (visit_candidate(*block, lowest_bit(mask))) return true;
+  static TREELET_INLINE bool visit_block(RayState& ray, const TriangleBlock& block,
+                                         unsigned lanes) {
+    const BlockHits hits = intersect_in_doubles(ray.shear, block);
+    for (unsigned mask = hits.met & lanes; mask != 0; mask &= mask - 1) {
+      const int i = __builtin_ctz(mask);
+      if (ray.visitor.visit(block.face[i], {hits.t[i], hits.u[i], hits.v[i]})) return true;
+    }
+    for (unsigned mask = hits.unsure & lanes; mask != 0; mask &= mask - 1) {
+      const int i = __builtin_ctz(mask);
+      TriangleHit hit;
+      if (intersect_exactly(ray.shear, block, i, hit) && ray.visitor.visit(block.face[i], hit)) {
+        return true;
       }
     }
     return false;
   }
 
-  static TREELET_INLINE unsigned used_lanes(const TriangleBlock& block) {
-    unsigned used = 0;
-    for (const std::uint32_t face : block.face) used += face != TriangleBlock::kNoFace;
-    return used;
-  }
-
-  TREELET_INLINE bool visit_candidate(const TriangleBlock& block, int lane) {
-    if (block.face[lane] == TriangleBlock::kNoFace) return false;
-    const auto& v = block.vertex;
-    const Triangle triangle{{v[0][0][lane], v[0][1][lane], v[0][2][lane]},
-                            {v[1][0][lane], v[1][1][lane], v[1][2][lane]},
-                            {v[2][0][lane], v[2][1][lane], v[2][2][lane]}};
-    TriangleHit hit;
-    if (!intersect_exactly(shear_, triangle, hit)) return false;
-    if (visitor_.visit(block.face[lane], hit)) return true;
-    limit_ = box_.upper_limit(visitor_.t_limit());
-    return false;
-  }
-
-  const Bvh8Node* const nodes_;
-  const TriangleBlock* const blocks_;
-  const RayBox& box_;
-  const WideRayBox wide_box_;
-  const RayShear& shear_;
-  const WideRayShear wide_shear_;
-  Visitor& visitor_;
-  TraversalStack::Entry* const stack_;
-  float limit_;
+  const Bvh8View& bvh_;
+  const SceneLanes scene_;
+  const ChildKind kinds_[2] = {
+      {reinterpret_cast<const char*>(bvh_.nodes), ~WideChild::kLeafBit, sizeof(Bvh8Node)},
+      {reinterpret_cast<const char*>(bvh_.blocks), WideChild::kMaxBlockIndex,
+       sizeof(TriangleBlock)}};
+  const Ray* const source_;
+  const std::size_t count_;
+  Answer* const answers_;
+  std::uint32_t next_ = 0;
+  Queue nodes_, leaves_;
+  RayState rays_[kWaveRays];
 };
 
-template <class Visitor>
-TREELET_INLINE Visitor trace(const Bvh8View& bvh, const Ray& ray, TraversalStack::Entry* stack) {
-  Visitor visitor(ray);
-  const RayBox box(ray, bvh.bounds);
-  const RayShear shear(ray);
-  Bvh8Traversal<Visitor>(bvh, box, shear, ray, stack, visitor).run();
-  return visitor;
-}
-
-Hit trace_closest(const Bvh8View& bvh, const Ray& ray, TraversalStack::Entry* stack) {
-  return trace<ClosestHit<>>(bvh, ray, stack).hit;
-}
-bool trace_any(const Bvh8View& bvh, const Ray& ray, TraversalStack::Entry* stack) {
-  return trace<AnyHit>(bvh, ray, stack).found;
-}
-Work trace_work(const Bvh8View& bvh, const Ray& ray, TraversalStack::Entry* stack) {
-  return trace<ClosestHit<Counting>>(bvh, ray, stack).work;
+template <class Query>
+void trace(const Bvh8View& bvh, const Ray* rays, std::size_t count, typename Query::Answer* answers,
+           const WaveStacks::View& stacks) {
+  Wave<Query>(bvh, rays, count, answers).run(stacks);
 }
 
 }  // namespace
 
-Bvh8Tracer bvh8_tracer() { return {trace_closest, trace_any, trace_work}; }
+Bvh8Tracer bvh8_tracer() { return {trace<ClosestQuery>, trace<AnyQuery>, trace<WorkQuery>}; }
 
 }  // namespace treelet::TREELET_ISA
