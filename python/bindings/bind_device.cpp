@@ -1,38 +1,27 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
 #include <treelet/core/device_array.h>
 #include <treelet/core/device_scope.h>
-#include <treelet/core/use_log.h>
 #include <treelet/mesh/narrow_faces.h>
 #include <treelet/pipeline/device_bvh.h>
 
+#include "arrays.h"
 #include "bindings.h"
+#include "device_address.h"
+#include "host_rays.h"
 #include "report.h"
-
-// Arrays in device memory come as addresses: the Python layer has read and checked what the array
-// says of itself (__cuda_array_interface__).
 
 namespace nb = nanobind;
 namespace cuda = treelet::cuda;
 using namespace nb::literals;
 
 namespace {
-
-using Address = std::uintptr_t;
-
-template <class T>
-T* pointer(Address address) {
-  return reinterpret_cast<T*>(address);
-}
-cuda::Stream stream_of(Address address) { return pointer<CUstream_st>(address); }
 
 int device_of(Address address, const char* what) {
   return cuda::device_of(pointer<const void>(address), what);
@@ -118,82 +107,70 @@ struct RayArguments {
 };
 
 void intersect(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address t, Address face,
-               Address u, Address v, Address stream) {
+               Address u, Address v, Address stream, bool reorder) {
   const nb::gil_scoped_release release;
   bvh.intersect(
       rays.batch(bvh.device()),
       {pointer<float>(t), pointer<std::int32_t>(face), pointer<float>(u), pointer<float>(v)},
-      stream_of(stream));
+      stream_of(stream), as_order(reorder));
 }
 
-void occluded(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address result,
-              Address stream) {
+void occluded(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address result, Address stream,
+              bool reorder) {
   const nb::gil_scoped_release release;
-  bvh.find_occluded(rays.batch(bvh.device()), pointer<bool>(result), stream_of(stream));
+  bvh.find_occluded(rays.batch(bvh.device()), pointer<bool>(result), stream_of(stream),
+                    as_order(reorder));
+}
+
+void traversal_cost(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address nodes,
+                    Address triangles, Address stream, bool reorder) {
+  const nb::gil_scoped_release release;
+  bvh.count_work(rays.batch(bvh.device()),
+                 {pointer<std::uint32_t>(nodes), pointer<std::uint32_t>(triangles)},
+                 stream_of(stream), as_order(reorder));
+}
+
+nb::tuple stream_intersect(const cuda::DeviceBvh& bvh, std::size_t rays, const Vec3Array& origins,
+                           const Vec3Array& directions, const FloatArray& t_min,
+                           const FloatArray& t_max, bool reorder, std::size_t device_bytes) {
+  const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+  HostHits hits(rays);
+  {
+    const nb::gil_scoped_release release;
+    bvh.intersect(batch, hits.arrays(), {as_order(reorder), device_bytes});
+  }
+  return hits.to_python();
+}
+
+nb::tuple stream_occluded(const cuda::DeviceBvh& bvh, std::size_t rays, const Vec3Array& origins,
+                          const Vec3Array& directions, const FloatArray& t_min,
+                          const FloatArray& t_max, bool reorder, std::size_t device_bytes) {
+  const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+  treelet::Array<bool> occluded(rays);
+  {
+    const nb::gil_scoped_release release;
+    bvh.find_occluded(batch, occluded.data(), {as_order(reorder), device_bytes});
+  }
+  return nb::make_tuple(as_numpy(std::move(occluded)));
+}
+
+nb::tuple stream_traversal_cost(const cuda::DeviceBvh& bvh, std::size_t rays,
+                                const Vec3Array& origins, const Vec3Array& directions,
+                                const FloatArray& t_min, const FloatArray& t_max, bool reorder,
+                                std::size_t device_bytes) {
+  const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+  treelet::Array<std::uint32_t> nodes(rays), triangles(rays);
+  {
+    const nb::gil_scoped_release release;
+    bvh.count_work(batch, {nodes.data(), triangles.data()}, {as_order(reorder), device_bytes});
+  }
+  return nb::make_tuple(as_numpy(std::move(nodes)), as_numpy(std::move(triangles)));
 }
 
 nb::object bounds(const cuda::DeviceBvh& bvh) {
   const treelet::Aabb box = bvh.bounds();
   return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
                         nb::make_tuple(box.upper.x, box.upper.y, box.upper.z));
-}
-
-/// Device memory that Python owns.
-class Memory {
- public:
-  Memory(std::size_t bytes, int device, Address stream) : device_(device) {
-    const cuda::DeviceScope scope(device);
-    bytes_ = cuda::DeviceArray<std::byte>(bytes, stream_of(stream));
-  }
-  Memory(const Memory&) = delete;
-  /// Nobody knows which streams use it: waits for the device, and frees on a stream that is there.
-  ~Memory() {
-    const cuda::DeviceScope scope(device_);
-    cuda::synchronize_device();
-    bytes_.free_on(cuda::own_stream());
-    bytes_ = {};
-  }
-
-  Address address() { return Address(bytes_.data()); }
-  std::size_t size() const { return bytes_.size(); }
-  void copy_from_host(nb::bytes values, Address stream) {
-    require(values.size());
-    const cuda::DeviceScope scope(device_);
-    cuda::copy_to_device(bytes_.data(), values.data(), values.size(), stream_of(stream));
-    cuda::synchronize(stream_of(stream));
-  }
-  nb::bytes copy_to_host(Address stream) {
-    const cuda::DeviceScope scope(device_);
-    std::vector<char> values(bytes_.size());
-    if (!values.empty()) {
-      cuda::copy_to_host(values.data(), bytes_.data(), values.size(), stream_of(stream));
-    }
-    return nb::bytes(values.data(), values.size());
-  }
-
- private:
-  void require(std::size_t bytes) const {
-    if (bytes != bytes_.size()) throw std::invalid_argument("as many bytes as there are, please");
-  }
-  int device_;
-  cuda::DeviceArray<std::byte> bytes_;
-};
-
-nb::dlpack::dtype dtype_of(const std::string& name) {
-  if (name == "float32") return nb::dtype<float>();
-  if (name == "int32") return nb::dtype<std::int32_t>();
-  if (name == "uint32") return nb::dtype<std::uint32_t>();
-  if (name == "bool") return nb::dtype<bool>();
-  throw std::invalid_argument("no array of " + name + " leaves by DLPack");
-}
-
-/// An array that only speaks DLPack, for libraries that take that and nothing else.
-nb::ndarray<nb::device::cuda> as_dlpack(nb::handle memory, const std::string& dtype,
-                                        const std::vector<std::size_t>& shape, int device) {
-  Memory& owner = nb::cast<Memory&>(memory);
-  return nb::ndarray<nb::device::cuda>(pointer<void>(owner.address()), shape.size(), shape.data(),
-                                       memory, nullptr, dtype_of(dtype), nb::device::cuda::value,
-                                       device);
 }
 
 void bind_tree(nb::module_& module) {
@@ -224,13 +201,10 @@ void bind_tree(nb::module_& module) {
                           Address stream) { return bvh.download(stream_of(stream)); })
       .def("intersect", intersect)
       .def("occluded", occluded)
-      .def("traversal_cost", [](const cuda::DeviceBvh& bvh, const RayArguments& rays, Address nodes,
-                                Address triangles, Address stream) {
-        const nb::gil_scoped_release release;
-        bvh.count_work(rays.batch(bvh.device()),
-                       {pointer<std::uint32_t>(nodes), pointer<std::uint32_t>(triangles)},
-                       stream_of(stream));
-      });
+      .def("traversal_cost", traversal_cost)
+      .def("stream_intersect", stream_intersect)
+      .def("stream_occluded", stream_occluded)
+      .def("stream_traversal_cost", stream_traversal_cost);
 }
 
 }  // namespace
@@ -239,12 +213,6 @@ void bind_device(nb::module_& module) {
   nb::class_<RayArguments>(module, "DeviceRays")
       .def(nb::init<std::size_t, Address, Address, Address, Address, std::size_t, std::size_t,
                     std::size_t, std::size_t, float, float>());
-  nb::class_<Memory>(module, "DeviceMemory")
-      .def(nb::init<std::size_t, int, Address>(), "bytes"_a, "device"_a, "stream"_a)
-      .def_prop_ro("address", &Memory::address)
-      .def("__len__", &Memory::size)
-      .def("copy_from_host", &Memory::copy_from_host, "values"_a, "stream"_a)
-      .def("copy_to_host", &Memory::copy_to_host, "stream"_a);
   bind_tree(module);
   module.def("device_build", build);
   module.def("device_upload", [](const treelet::Bvh& bvh, Address stream) {
@@ -253,7 +221,6 @@ void bind_device(nb::module_& module) {
   });
   module.def("device_current", &cuda::current_device);
   module.def("device_of", device_of, "address"_a, "what"_a);
-  module.def("device_release_memory", &cuda::release_device_memory);
   module.def(
       "device_synchronize",
       [](Address stream, int device) {
@@ -262,5 +229,4 @@ void bind_device(nb::module_& module) {
         cuda::synchronize(stream_of(stream));
       },
       "stream"_a, "device"_a = -1);
-  module.def("as_dlpack", as_dlpack, "memory"_a, "dtype"_a, "shape"_a, "device"_a);
 }

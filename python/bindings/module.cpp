@@ -7,5 +7,6 @@ NB_MODULE(_core, module) {
   bind_cuda(module);
   bind_pipeline(module);
   bind_device(module);  // its methods take and give classes of the pipeline
+  bind_device_memory(module);
   bind_query(module);
 }

@@ -10,8 +10,8 @@ import math
 import operator
 import re
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from . import _core
 LEGACY_STREAM = 1  # of __cuda_array_interface__: the default stream, 0 to CUDA
 _LIBRARIES = {"torch": "torch", "cupy": "cupy", "jax": "jax", "jaxlib": "jax"}  # by package of the type
 _MAX_ROWS = 2**32 - 1
+_ABSENT = object()
 
 
 class DeviceArray(NamedTuple):
@@ -31,14 +32,17 @@ class DeviceArray(NamedTuple):
     dtype: np.dtype[Any]
     stream: int | None
     """The stream that writes it, where it says so."""
+    library: str
+    """Which of the libraries that treelet answers in made it: "torch", "cupy", "jax" or ""."""
     owner: Any
 
-    @property
-    def library(self) -> str:
-        """Which of the libraries that treelet answers in made it: "torch", "cupy", "jax" or ""."""
-        packages = (str(kind.__module__).partition(".")[0] for kind in type(self.owner).__mro__)
-        libraries = (_LIBRARIES.get(package, "") for package in packages)
-        return next((library for library in libraries if library in sys.modules), "")
+
+class WorkStream(NamedTuple):
+    """Where work is enqueued."""
+
+    address: int
+    library: str = ""
+    """The library whose current stream it is; "" where nobody has asked."""
 
 
 def is_on_device(array: object) -> bool:
@@ -46,19 +50,17 @@ def is_on_device(array: object) -> bool:
     return hasattr(array, "__cuda_array_interface__")
 
 
-def as_device_array(
-    array: Any, name: str, advice: str = "move it there, or move the tree with bvh.to('cpu')"
-) -> DeviceArray:
-    """Read where an array lies. Host arrays and strided ones are refused with what to do instead."""
-    if not is_on_device(array):
-        raise TypeError(
-            f"{name} must lie on a CUDA device as the rest does, not be a {type(array).__name__} on the "
-            f"host: {advice}"
-        )
-    _wait_for_jax(array)
+def find_device_array(array: Any, name: str) -> DeviceArray | None:
+    """Read where an array lies; None where that is the host. Strided arrays are refused with what to do."""
+    interface = getattr(array, "__cuda_array_interface__", _ABSENT)
+    if interface is _ABSENT:
+        return None
+    kind = _kind_of(type(array))
+    if kind.is_lazy:
+        array.block_until_ready()
     try:
-        read, strides, mask = _read_interface(array)
-        is_contiguous = _is_contiguous(strides, read.shape, read.dtype.itemsize)
+        read, strides, mask = _read_interface(array, interface, kind)
+        is_contiguous = strides is None or _is_contiguous(strides, read.shape, read.dtype.itemsize)
     except (AttributeError, IndexError, KeyError, SyntaxError, TypeError, ValueError) as error:
         reason = f"it has no {error}" if isinstance(error, KeyError) else error
         raise ValueError(f"{name}: its __cuda_array_interface__ is not valid: {reason}") from error
@@ -67,8 +69,19 @@ def as_device_array(
     if not is_contiguous:
         raise ValueError(f"{name} must be C-contiguous on the device: call .contiguous() or .copy() first")
     alignment = read.dtype.alignment
-    if 0 not in read.shape and read.address % alignment != 0:
+    if read.address % alignment != 0 and 0 not in read.shape:
         raise ValueError(f"{name} must begin at a multiple of {alignment} bytes: copy it first")
+    return read
+
+
+def as_device_array(array: Any, name: str, advice: str) -> DeviceArray:
+    """As `find_device_array`, but an array on the host is refused with what to do instead."""
+    read = find_device_array(array, name)
+    if read is None:
+        raise TypeError(
+            f"{name} must lie on a CUDA device as the rest does, not be a {type(array).__name__} on the "
+            f"host: {advice}"
+        )
     return read
 
 
@@ -104,44 +117,74 @@ def stream_address(stream: Any, like: DeviceArray | None = None) -> int:
     return _as_address(stream)
 
 
-@contextmanager
-def reading(arrays: Sequence[DeviceArray], stream: int) -> Iterator[None]:
-    """Work enqueued inside comes after what wrote the arrays, and before their memory is used again."""
+def work_stream(stream: Any, like: DeviceArray) -> WorkStream:
+    """As `stream_address`, but remembers whose current stream it is: to ask takes microseconds."""
+    if stream is None:
+        return WorkStream(_current_stream(like), like.library)
+    return WorkStream(stream_address(stream))
+
+
+def before_reading(arrays: Sequence[DeviceArray], stream: WorkStream) -> None:
+    """What is enqueued from now on comes after what wrote the arrays, and before their memory is reused."""
     for array in arrays:
-        if array.stream is not None and array.stream != stream:
+        if array.stream is not None and array.stream != stream.address:
             _core.device_synchronize(array.stream)
-        if array.library == "torch" and _current_stream(array) != stream:
+        if array.library == "torch" != stream.library and _current_stream(array) != stream.address:
             cuda = sys.modules["torch"].cuda
-            array.owner.record_stream(cuda.ExternalStream(stream, device=array.owner.device))
-    yield
-    if any(array.library == "jax" for array in arrays):
-        _core.device_synchronize(stream)  # jax takes no stream, and frees in its own
+            array.owner.record_stream(cuda.ExternalStream(stream.address, device=array.owner.device))
 
 
-def _read_interface(array: Any) -> tuple[DeviceArray, Any, Any]:
+def after_reading(arrays: Sequence[DeviceArray], stream: WorkStream) -> None:
+    """Waits for what was enqueued where the arrays' library would not."""
+    for array in arrays:
+        if array.library == "jax":  # takes no stream, and frees in its own
+            _core.device_synchronize(stream.address)
+            return
+
+
+class _Kind(NamedTuple):
+    """What there is to know of a type of arrays."""
+
+    libraries: tuple[str, ...]
+    """Which may have made it, the likeliest first."""
+    is_lazy: bool
+    """Whether it is jax's, which computes in streams of its own that it tells nobody."""
+
+    def library(self) -> str:
+        for library in self.libraries:
+            if library in sys.modules:
+                return library
+        return ""
+
+
+@lru_cache(maxsize=64)
+def _kind_of(array_type: type) -> _Kind:
+    packages = [str(base.__module__).partition(".")[0] for base in array_type.__mro__]
+    libraries = tuple(_LIBRARIES[package] for package in packages if package in _LIBRARIES)
+    return _Kind(libraries, hasattr(array_type, "block_until_ready"))
+
+
+_dtype_of = lru_cache(maxsize=64)(np.dtype)
+
+
+def _read_interface(array: Any, interface: Any, kind: _Kind) -> tuple[DeviceArray, Any, Any]:
     """The array, its strides and its mask. Raises nearly anything where the interface is not valid."""
-    interface = array.__cuda_array_interface__
-    shape = tuple(operator.index(length) for length in interface["shape"])
-    if any(length < 0 for length in shape):
+    shape = tuple(map(operator.index, interface["shape"]))
+    if min(shape, default=0) < 0:
         raise ValueError(f"shape {shape} is negative")
     typestr, data, stream = interface["typestr"], interface["data"], interface.get("stream")
     if not isinstance(typestr, str):
         raise TypeError(f"typestr must be text, not {typestr!r}")
-    address = data[0] if data is not None else None
-    if not address and 0 not in shape:
+    address = operator.index((data[0] if data is not None else None) or 0)
+    if address == 0 and 0 not in shape:
         raise ValueError(f"an array of {math.prod(shape)} elements has no address")
-    read = DeviceArray(
-        operator.index(address or 0),
-        shape,
-        np.dtype(typestr),
-        None if stream is None else _as_address(stream),
-        array,
-    )
+    written_in = None if stream is None else _as_address(stream)
+    read = DeviceArray(address, shape, _dtype_of(typestr), written_in, kind.library(), array)
     return read, interface.get("strides"), interface.get("mask")
 
 
 def _is_contiguous(strides: Any, shape: tuple[int, ...], item: int) -> bool:
-    if strides is None or 0 in shape:
+    if 0 in shape:
         return True
     expected = item
     for length, stride in zip(reversed(shape), reversed(strides), strict=True):
@@ -151,13 +194,9 @@ def _is_contiguous(strides: Any, shape: tuple[int, ...], item: int) -> bool:
     return True
 
 
-def _wait_for_jax(array: Any) -> None:
-    """jax computes in streams of its own that it tells nobody."""
-    if hasattr(array, "block_until_ready"):
-        array.block_until_ready()
-
-
 def _as_address(stream: Any) -> int:
+    if type(stream) is int and 0 <= stream < 2**63:  # nearly always
+        return 0 if stream == LEGACY_STREAM else stream
     if isinstance(stream, bool) or not hasattr(stream, "__index__"):
         raise TypeError(f"stream must be an address or a stream object, not {type(stream).__name__}")
     address = operator.index(stream)

@@ -5,26 +5,32 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
+from ._answers import Hits, Work
 from ._device import (
     DeviceArray,
+    after_reading,
     as_device_array,
+    before_reading,
     is_on_device,
-    reading,
     require_rows_of_3,
     stream_address,
+    work_stream,
 )
-from ._device_results import empty_like
-from ._inputs import as_recipe, broadcast_rays
+from ._device_rays import DeviceRays, find_device_rays, require_float32
+from ._device_results import make_outputs
+from ._inputs import as_rays, as_recipe
 from .report import Report
 
 if TYPE_CHECKING:
-    from .bvh import Bvh, Hits, Work
+    from .bvh import Bvh
 
+_STREAMED_BYTES = 2**28  # that rays of the host take on the device at a time
+_HIT_DTYPES = ("float32", "int32", "float32", "float32")
 _INDEX_DTYPES = tuple(np.dtype(name) for name in ("int32", "uint32", "int64", "uint64"))
 
 
@@ -33,7 +39,8 @@ class DeviceBvh:
 
     Takes arrays of torch, cupy, jax, numba or any library with `__cuda_array_interface__` that lie on the
     same device, without copying. They must be float32 and C-contiguous. Answers are arrays of torch, cupy or
-    jax where the origins are, and `treelet.cuda.Array` for all other libraries, which can read those.
+    jax where the origins are, and `treelet.cuda.Array` for all other libraries, which can read those. Rays in
+    numpy arrays are sent there and answered in numpy arrays.
 
     Work is enqueued on `stream`, by default the current stream of the arrays' library. Queries and updates
     wait for nothing, but where an array names another stream that writes it, they wait for that one, and
@@ -46,9 +53,20 @@ class DeviceBvh:
         self._report: Report | None = None
 
     def intersect(
-        self, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = math.inf, *, stream: Any = None
+        self,
+        origins: Any,
+        directions: Any,
+        t_min: Any = 0.0,
+        t_max: Any = math.inf,
+        *,
+        reorder: bool = False,
+        stream: Any = None,
     ) -> Hits:
-        """Find the closest hit of each ray. As `Bvh.intersect`, with arrays on the device.
+        """Find the closest hit of each ray. As `Bvh.intersect`, with arrays on the device or on the host.
+
+        Rays on the host are sent to the device in chunks, 256 MiB at a time, and the answers come back as
+        numpy arrays; the call waits for them. Contiguous float32 arrays are read in place, memory-mapped ones
+        from their file. Copies and tracing overlap, the more so where memory is pinned.
 
         Args:
             origins: (..., 3) float32.
@@ -56,53 +74,89 @@ class DeviceBvh:
                 device memory: every array has one row for all rays, or a row for each.
             t_min: (...) float32 or a number.
             t_max: (...) float32 or a number, included.
-            stream: an address, a stream of torch or cupy, or anything with `__cuda_stream__`.
+            reorder: sort the rays for coherence before they are traced. Pays for incoherent batches of a
+                million and more; answers stay in the order of the rays. Takes 16 bytes a ray, of 16 million
+                rays at most, on the device.
+            stream: an address, a stream of torch or cupy, or anything with `__cuda_stream__`; for arrays on
+                the device.
 
         Returns:
             Hits(t, face, u, v): float32, int32, float32, float32 arrays of the rays' shape.
 
         Raises:
             ValueError: where shapes do not fit each other or an array is not contiguous.
-            TypeError: where an array lies on the host or has another dtype.
+            TypeError: where arrays lie on the host and on the device, or one has another dtype there.
             RuntimeError: where CUDA fails.
         """
-        from .bvh import Hits
-
-        rays = _read_rays(origins, directions, t_min, t_max, stream)
-        return Hits(*self._query(self._core.intersect, rays, "float32", "int32", "float32", "float32"))
+        rays = find_device_rays(origins, directions, t_min, t_max, stream)
+        if rays is None:
+            host_rays = origins, directions, t_min, t_max
+            return Hits(*self._query_from_host(self._core.stream_intersect, host_rays, reorder, stream))
+        return Hits(*self._query(self._core.intersect, rays, reorder, _HIT_DTYPES))
 
     def occluded(
-        self, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = math.inf, *, stream: Any = None
+        self,
+        origins: Any,
+        directions: Any,
+        t_min: Any = 0.0,
+        t_max: Any = math.inf,
+        *,
+        reorder: bool = False,
+        stream: Any = None,
     ) -> Any:
         """Whether each ray hits anything in [t_min, t_max]. Arguments and errors as `intersect`.
 
         Returns:
             bool array of the rays' shape.
         """
-        rays = _read_rays(origins, directions, t_min, t_max, stream)
-        [occluded] = self._query(self._core.occluded, rays, "bool")
+        rays = find_device_rays(origins, directions, t_min, t_max, stream)
+        if rays is None:
+            host_rays = origins, directions, t_min, t_max
+            [occluded] = self._query_from_host(self._core.stream_occluded, host_rays, reorder, stream)
+        else:
+            [occluded] = self._query(self._core.occluded, rays, reorder, ("bool",))
         return occluded
 
     def traversal_cost(
-        self, origins: Any, directions: Any, t_min: Any = 0.0, t_max: Any = math.inf, *, stream: Any = None
+        self,
+        origins: Any,
+        directions: Any,
+        t_min: Any = 0.0,
+        t_max: Any = math.inf,
+        *,
+        reorder: bool = False,
+        stream: Any = None,
     ) -> Work:
         """Count the work that `intersect` does for each ray. Arguments and errors as `intersect`.
 
         Returns:
-            Work(nodes, triangles), int32 arrays. They may differ by a few from the CPU's: boxes are tested in
-            another arithmetic.
+            Work(nodes, triangles), int32 arrays, for rays on the host uint32. They may differ by a few from
+            the CPU's: boxes are tested in another arithmetic, and leaves in another order.
         """
-        from .bvh import Work
+        rays = find_device_rays(origins, directions, t_min, t_max, stream)
+        if rays is None:
+            host_rays = origins, directions, t_min, t_max
+            return Work(*self._query_from_host(self._core.stream_traversal_cost, host_rays, reorder, stream))
+        return Work(*self._query(self._core.traversal_cost, rays, reorder, ("int32", "int32")))
 
-        rays = _read_rays(origins, directions, t_min, t_max, stream)
-        return Work(*self._query(self._core.traversal_cost, rays, "int32", "int32"))
+    def _query(
+        self, enqueue: Callable[..., None], rays: DeviceRays, reorder: bool, dtypes: tuple[str, ...]
+    ) -> list[Any]:
+        stream = rays.stream
+        outputs = make_outputs(rays.arrays[0], rays.shape, dtypes, self._core.device, stream)
+        before_reading(rays.arrays, stream)
+        enqueue(rays.core, *outputs.addresses, stream.address, reorder)
+        after_reading(rays.arrays, stream)
+        return outputs.finish()
 
-    def _query(self, enqueue: Callable[..., None], rays: _Rays, *dtypes: str) -> list[Any]:
-        device = self._core.device
-        outputs = [empty_like(rays.arrays[0], rays.shape, dtype, device, rays.stream) for dtype in dtypes]
-        with reading(rays.arrays, rays.stream):
-            enqueue(rays.core, *(output.address for output in outputs), rays.stream)
-        return [output.finish() for output in outputs]
+    def _query_from_host(
+        self, query: Callable[..., Any], host_rays: tuple[Any, ...], reorder: bool, stream: Any
+    ) -> list[Any]:
+        if stream is not None:
+            raise TypeError("stream is for arrays on a CUDA device, and the rays lie on the host")
+        rays = as_rays(*host_rays)
+        answers = query(*rays.arguments, reorder, _STREAMED_BYTES)
+        return [array.reshape(rays.shape) for array in answers]
 
     def refit(self, vertices: Any, *, stream: Any = None) -> None:
         """Move the triangles and fit the boxes, but leave the tree's shape. As `Bvh.refit`; nothing waits."""
@@ -128,10 +182,11 @@ class DeviceBvh:
                 "this tree was moved here from the host, and a moved tree cannot be updated: build it from "
                 "arrays on the device with treelet.build(vertices, faces, updatable=True)"
             )
-        points = _as_vertices(vertices, "copy them there")
-        address = stream_address(stream, points)
-        with reading([points], address):
-            enqueue(points.address, points.shape[0], address)
+        points = _as_vertices(vertices)
+        used = work_stream(stream, points)
+        before_reading([points], used)
+        enqueue(points.address, points.shape[0], used.address)
+        after_reading([points], used)
 
     def check(self, *, stream: Any = None) -> None:
         """Wait for the last rebuild and bring `report` up to date.
@@ -209,19 +264,20 @@ def build_on_device(
     if corners.dtype not in _INDEX_DTYPES:
         raise TypeError(f"faces must hold integers of 32 or 64 bits on the device, not {corners.dtype}")
     require_rows_of_3(corners, "faces", "F")
-    address = stream_address(stream, points)
-    with reading([points, corners], address):
-        core = _core.device_build(
-            points.address,
-            points.shape[0],
-            corners.address,
-            corners.shape[0],
-            corners.dtype.itemsize,
-            as_recipe(recipe),
-            validate,
-            updatable,
-            address,
-        )
+    used = work_stream(stream, points)
+    before_reading([points, corners], used)
+    core = _core.device_build(
+        points.address,
+        points.shape[0],
+        corners.address,
+        corners.shape[0],
+        corners.dtype.itemsize,
+        as_recipe(recipe),
+        validate,
+        updatable,
+        used.address,
+    )
+    after_reading([points, corners], used)
     return DeviceBvh(core)
 
 
@@ -230,69 +286,8 @@ def move_to_device(core: _core.Bvh, stream: Any = None) -> DeviceBvh:
     return DeviceBvh(_core.device_upload(core, stream_address(stream)), is_moved=True)
 
 
-def _as_vertices(vertices: Any, *advice: str) -> DeviceArray:
-    array = _as_float32(vertices, "vertices", *advice)
+def _as_vertices(vertices: Any, advice: str = "copy them there") -> DeviceArray:
+    array = as_device_array(vertices, "vertices", advice)
+    require_float32(array, "vertices")
     require_rows_of_3(array, "vertices", "V")
     return array
-
-
-def _as_float32(values: Any, name: str, *advice: str) -> DeviceArray:
-    array = as_device_array(values, name, *advice)
-    if array.dtype != np.float32:
-        raise TypeError(f"{name} must be float32 on the device, not {array.dtype}: convert them there first")
-    return array
-
-
-class _Rays(NamedTuple):
-    core: _core.DeviceRays
-    shape: tuple[int, ...]
-    arrays: list[DeviceArray]  # origins first; kept until the call has enqueued its work
-    stream: int
-
-
-def _read_rays(origins: Any, directions: Any, t_min: Any, t_max: Any, stream: Any) -> _Rays:
-    points, vectors = _as_float32(origins, "origins"), _as_float32(directions, "directions")
-    for array, name in ((points, "origins"), (vectors, "directions")):
-        if not array.shape or array.shape[-1] != 3:
-            raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
-    low, high = _read_limit(t_min, "t_min"), _read_limit(t_max, "t_max")
-    parts = (points, vectors, low, high)
-    shapes = [() if isinstance(part, float) else part.shape for part in parts]
-    shape = broadcast_rays(*shapes)
-    rows = [
-        _count_rows(shapes[0], (*shape, 3), 3, "origins"),
-        _count_rows(shapes[1], (*shape, 3), 3, "directions"),
-        _count_rows(shapes[2], shape, 1, "t_min"),
-        _count_rows(shapes[3], shape, 1, "t_max"),
-    ]
-    addresses = [0 if isinstance(part, float) else part.address for part in parts]
-    values = [limit if isinstance(limit, float) else 0.0 for limit in (low, high)]
-    core = _core.DeviceRays(math.prod(shape), *addresses, *rows, *values)
-    arrays = [part for part in parts if not isinstance(part, float)]
-    return _Rays(core, shape, arrays, stream_address(stream, points))
-
-
-def _read_limit(limit: Any, name: str) -> DeviceArray | float:
-    if is_on_device(limit):
-        return _as_float32(limit, name)
-    number = np.asarray(limit)
-    if number.ndim > 0 or number.dtype.kind not in "fiu":
-        raise TypeError(
-            f"{name} must be a number, or an array on the CUDA device as the rays are, not a "
-            f"{type(limit).__name__} on the host"
-        )
-    with np.errstate(over="ignore"):  # beyond float32 is infinite, as on the host
-        return float(number.astype(np.float32))
-
-
-def _count_rows(own: tuple[int, ...], whole: tuple[int, ...], width: int, name: str) -> int:
-    """1 for a row that all rays share, else the number of rays."""
-    size = math.prod(own)
-    if size == width:
-        return 1
-    if size != math.prod(whole):
-        raise ValueError(
-            f"{name} {own} must have one row for all rays or one for each, {whole}: broadcast it on the "
-            "device first"
-        )
-    return size // width

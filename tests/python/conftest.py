@@ -10,6 +10,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from device_arrays import random_rays
+from sample_meshes import random_triangles
 
 SNAPSHOTS = Path(__file__).parent / "snapshots"
 
@@ -39,3 +41,15 @@ class Snapshots:
 @pytest.fixture
 def snapshots(request) -> Snapshots:
     return Snapshots(request.config.getoption("--update-snapshots"))
+
+
+@pytest.fixture(scope="session")
+def soup():
+    """(vertices, faces) of 2000 triangles, for trees on devices."""
+    return random_triangles(2000, seed=3)
+
+
+@pytest.fixture(scope="session")
+def rays():
+    """(origins, directions) of 500 rays at `soup`."""
+    return random_rays()

@@ -71,3 +71,8 @@ def _points_in_box(mesh: Mesh, count: int, rng: np.random.Generator, scale: floa
 
 def _rays(origins: np.ndarray, directions: np.ndarray) -> Rays:
     return Rays(np.asarray(origins, np.float32), np.asarray(directions, np.float32))
+
+
+def as_bytes(answers) -> bytes:
+    """All of the answers' arrays, to compare them to the bit."""
+    return b"".join(array.tobytes() for array in answers)

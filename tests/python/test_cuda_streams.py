@@ -6,8 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from device_arrays import Foreign, build, on_device, random_rays
-from sample_meshes import random_triangles
+from device_arrays import Foreign, build, on_device
 
 import treelet
 from treelet import _core, cuda
@@ -15,16 +14,6 @@ from treelet import _core, cuda
 pytestmark = pytest.mark.skipif(not cuda.is_available(), reason="no CUDA device")
 
 PER_THREAD = 2  # a stream that is always there
-
-
-@pytest.fixture(scope="module")
-def soup():
-    return random_triangles(2000, seed=3)
-
-
-@pytest.fixture(scope="module")
-def rays():
-    return random_rays()
 
 
 def test_outputs_speak_dlpack(soup, rays):

@@ -241,6 +241,17 @@ def test_traversal_cost(mesh, bvh, rays):
     assert nothing.nodes.max() == nothing.triangles.max() == 0
 
 
+def test_reordered_rays_have_the_same_answers(bvh, rays):
+    assert_same(bvh.intersect(*rays, reorder=True), bvh.intersect(*rays))
+    assert_same(bvh.traversal_cost(*rays, reorder=True), bvh.traversal_cost(*rays))
+    assert_same([bvh.occluded(*rays, reorder=True)], [bvh.occluded(*rays)])
+    image = bvh.intersect((0.5, 0.5, -1), rays.directions.reshape(20, 100, 3), t_max=2, reorder=True)
+    assert_same(image, bvh.intersect((0.5, 0.5, -1), rays.directions.reshape(20, 100, 3), t_max=2))
+    assert bvh.occluded(np.empty((0, 3)), (0, 0, 1), reorder=True).shape == (0,)
+    with pytest.raises(TypeError):
+        bvh.intersect(*rays, 0, 1, True)
+
+
 def test_results_outlive_the_tree():
     bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES)
     hits = bvh.intersect(np.full((10_000, 3), 0.2), DOWN)

@@ -1,5 +1,7 @@
 #include <treelet/primitive/device_sort.h>
 
+#include <utility>
+
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
@@ -11,14 +13,15 @@
 namespace treelet::cuda {
 namespace {
 
-using Keys = cub::DoubleBuffer<std::uint64_t>;
+template <class Key>
+using Keys = cub::DoubleBuffer<Key>;
 using Values = cub::DoubleBuffer<std::uint32_t>;
 
-constexpr int kKeyBits = 64;
-
 /// Without memory it only sets `bytes`.
-void sort_in_buffers(void* temporary, std::size_t& bytes, Keys& keys, Values& values,
+template <class Key>
+void sort_in_buffers(void* temporary, std::size_t& bytes, Keys<Key>& keys, Values& values,
                      std::uint32_t count, Stream stream) {
+  constexpr int kKeyBits = 8 * sizeof(Key);
   check(cub::DeviceRadixSort::SortPairs(temporary, bytes, keys, values, count, 0, kKeyBits, stream),
         "sort on the device");
 }
@@ -34,7 +37,7 @@ void sum_in_memory(void* temporary, std::size_t& bytes, const std::uint32_t* val
 
 SortScratch carve_sort_scratch(Carver& carver, std::uint32_t capacity) {
   SortScratch scratch{};
-  Keys keys;
+  Keys<std::uint64_t> keys;
   Values values;
   sort_in_buffers(nullptr, scratch.temporary_bytes, keys, values, capacity, nullptr);
   scratch.keys = carver.take<std::uint64_t>(capacity);
@@ -50,7 +53,7 @@ SortScratch carve_sort_scratch(Carver& carver, std::uint32_t capacity) {
 void sort_pairs(std::uint64_t* keys, std::uint32_t* values, std::uint32_t count,
                 const SortScratch& scratch, Stream stream) {
   if (count == 0) return;
-  Keys key_buffers(keys, scratch.keys);
+  Keys<std::uint64_t> key_buffers(keys, scratch.keys);
   Values value_buffers(values, scratch.values);
   std::size_t bytes = scratch.temporary_bytes;
   sort_in_buffers(scratch.temporary, bytes, key_buffers, value_buffers, count, stream);
@@ -60,6 +63,21 @@ void sort_pairs(std::uint64_t* keys, std::uint32_t* values, std::uint32_t count,
   if (value_buffers.Current() != values) {
     copy_on_device(values, value_buffers.Current(), count * sizeof(*values), stream);
   }
+}
+
+DeviceArray<std::uint32_t> sort_values(DeviceArray<std::uint32_t> keys,
+                                       DeviceArray<std::uint32_t> values) {
+  if (values.empty()) return values;
+  const Stream stream = values.stream();
+  const std::uint32_t count = std::uint32_t(values.size());
+  DeviceArray<std::uint32_t> other_keys(count, stream), other_values(count, stream);
+  Keys<std::uint32_t> key_buffers(keys.data(), other_keys.data());
+  Values value_buffers(values.data(), other_values.data());
+  std::size_t bytes = 0;
+  sort_in_buffers(nullptr, bytes, key_buffers, value_buffers, count, stream);
+  DeviceArray<std::byte> temporary(bytes, stream);
+  sort_in_buffers(temporary.data(), bytes, key_buffers, value_buffers, count, stream);
+  return value_buffers.Current() == values.data() ? std::move(values) : std::move(other_values);
 }
 
 SumScratch carve_sum_scratch(Carver& carver, std::uint32_t capacity) {

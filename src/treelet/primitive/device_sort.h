@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include <treelet/core/carver.h>
+#include <treelet/core/device_array.h>
 #include <treelet/core/stream.h>
 
 // Sorting and summing arrays in device memory. Which memory holds what does not depend on the
@@ -23,6 +24,11 @@ SortScratch carve_sort_scratch(Carver& carver, std::uint32_t capacity);
 /// Sorts by all 64 bits of the keys; equal keys keep their order.
 void sort_pairs(std::uint64_t* keys, std::uint32_t* values, std::uint32_t count,
                 const SortScratch& scratch, Stream stream);
+
+/// The values in the order of their keys, equal keys in the order given; fewer than 2^32. Takes
+/// memory as it goes, on the arrays' stream.
+DeviceArray<std::uint32_t> sort_values(DeviceArray<std::uint32_t> keys,
+                                       DeviceArray<std::uint32_t> values);
 
 /// What summing needs besides the arrays.
 struct SumScratch {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 
@@ -28,6 +29,13 @@ struct PerRay {
     return value;
 #endif
   }
+
+  /// Values of the rays from one on.
+  PerRay from(std::size_t ray) const {
+    PerRay rest = *this;
+    if (first != nullptr) rest.first += ray * stride;
+    return rest;
+  }
 };
 
 /// Rays as they lie in memory: arrays of parts, or an array of rays.
@@ -35,6 +43,8 @@ struct RayBatch {
   std::size_t size = 0;
   PerRay<Vec3> origins, directions;
   PerRay<float> t_min{&kDefaults.t_min, 0}, t_max{&kDefaults.t_max, 0};
+  /// The k-th ray to trace is order[k]; null: ray k. Answers lie in the places of their rays.
+  const std::uint32_t* order = nullptr;
 
   RayBatch() = default;
   RayBatch(std::span<const Ray> rays)  // NOLINT: an array of rays is a batch
@@ -47,6 +57,18 @@ struct RayBatch {
   }
 
   Ray operator[](std::size_t i) const { return {origins[i], directions[i], t_min[i], t_max[i]}; }
+  std::size_t ray_of(std::size_t k) const { return order == nullptr ? k : order[k]; }
+
+  /// `count` rays from one on, in no other order than they have.
+  RayBatch part(std::size_t begin, std::size_t count) const {
+    RayBatch rays;
+    rays.size = count;
+    rays.origins = origins.from(begin);
+    rays.directions = directions.from(begin);
+    rays.t_min = t_min.from(begin);
+    rays.t_max = t_max.from(begin);
+    return rays;
+  }
 
  private:
   static constexpr Ray kDefaults{};
