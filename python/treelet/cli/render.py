@@ -30,6 +30,13 @@ class Mode(str, Enum):
     heat = "heat"
 
 
+class Device(str, Enum):
+    """Where tree and picture are made."""
+
+    cpu = "cpu"
+    cuda = "cuda"
+
+
 OutputOption = Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="PNG file to write.")]
 _MODE_HELP = "Path tracing, ambient occlusion, normals, depth, or traversal cost."
 ModeOption = Annotated[Mode, typer.Option("--mode", "-m", help=_MODE_HELP)]
@@ -45,6 +52,8 @@ BouncesOption = Annotated[int, typer.Option(metavar="N", min=1, help=_BOUNCES_HE
 _EXPOSURE_HELP = "Brightness factor; measured if not given."
 ExposureOption = Annotated[float | None, typer.Option(metavar="F", help=_EXPOSURE_HELP)]
 _DENOISE_HELP = "Filter the noise of few samples."
+_DEVICE_HELP = "Where to build and trace; cuda needs cupy."
+DeviceOption = Annotated[Device, typer.Option("--device", help=_DEVICE_HELP)]
 DenoiseOption = Annotated[bool, typer.Option("--denoise/--no-denoise", help=_DENOISE_HELP)]
 
 
@@ -65,11 +74,11 @@ def render(
     recipe: RecipeOption = "balanced",
     triangles: TrianglesOption = None,
     seed: SeedOption = 0,
+    device: DeviceOption = Device.cpu,
     threads: ThreadsOption = 0,
     json: JsonOption = False,
 ) -> None:
     """Render a mesh as a PNG picture."""
-    import treelet
     from treelet.cli.inputs import load_subject, parse_size, use_threads
     from treelet.cli.output import note, print_json, progress_bar
     from treelet.render import RenderSettings, save_png
@@ -79,17 +88,18 @@ def render(
     width, height = parse_size(size)
     settings = RenderSettings(width, height, samples, bounces, seed, exposure=exposure, denoise=denoise)
     _check_output(output)
+    _check_device(device)
     subject = load_subject(mesh, triangles, seed)
     camera = _camera(subject, view, {"eye": eye, "look_at": look_at, "up": up}, fov, width / height)
-    bvh = treelet.build(subject.vertices, subject.faces, recipe=recipe)
+    bvh, traced = _build(subject, recipe, device)
     with progress_bar(f"render {mode.value}") as bar:
-        picture = render_picture(bvh, subject, camera, mode.value, settings, bar.at)
+        picture = render_picture(bvh, traced, camera, mode.value, settings, bar.at)
     save_png(output, picture)
     note(f"wrote {output}")
     if json:
         rows, columns = picture.shape[:2]
         facts = {"file": str(output), "mode": mode.value, "width": columns, "height": rows}
-        print_json(facts | {"view": _view_facts(camera)})
+        print_json(facts | {"device": device.value, "view": _view_facts(camera)})
 
 
 def _check_output(output: Path) -> None:
@@ -97,6 +107,33 @@ def _check_output(output: Path) -> None:
         raise ValueError(
             f"--output is '{output}', but pictures are written as PNG: give a name that ends in .png"
         )
+
+
+def _check_device(device: Device) -> None:
+    """Say what is missing before a large mesh is read."""
+    if device is Device.cpu:
+        return
+    from treelet import cuda
+    from treelet.render.arrays import import_cupy
+
+    if not cuda.is_available():
+        raise ValueError(f"--device cuda: {cuda.why_unavailable()}")
+    import_cupy()
+
+
+def _build(subject: Any, recipe: str, device: Device) -> tuple[Any, Any]:
+    """The tree over a mesh, and the mesh where the tree is."""
+    import treelet
+
+    if device is Device.cpu:
+        return treelet.build(subject.vertices, subject.faces, recipe=recipe), subject
+    from treelet.render import upload_mesh
+
+    mesh = upload_mesh(subject)
+    try:
+        return treelet.build(mesh.vertices, mesh.faces, recipe=recipe), mesh
+    except RuntimeError as error:  # a recipe word that only the host has, or what CUDA says
+        raise ValueError(f"--device cuda: {error}") from error
 
 
 def _camera(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-Array = np.ndarray
+from treelet.render.arrays import Array, dot, module_of
 
 # 33 stops of matplotlib's maps (CC0) in sRGB, joined by straight lines.
 _INFERNO = (
@@ -37,29 +37,31 @@ def cividis(values: Array) -> Array:
 
 
 def _mapped(name: str, values: Array) -> Array:
-    stops = _MAPS[name]
-    position = np.linspace(0.0, 1.0, len(stops))
-    channels = [np.interp(values, position, stops[:, channel]) for channel in range(3)]
-    return np.stack(channels, axis=-1).astype(np.float32)
+    xp = module_of(values)
+    stops = xp.asarray(_MAPS[name])
+    position = xp.linspace(0.0, 1.0, len(stops))
+    channels = [xp.interp(values, position, stops[:, channel]) for channel in range(3)]
+    return xp.stack(channels, axis=-1).astype(np.float32)
 
 
 def luminance(color: Array) -> Array:
     """Relative luminance of linear Rec. 709 colours (..., 3)."""
-    return color @ np.array([0.2126, 0.7152, 0.0722], dtype=color.dtype)
+    return dot(color, module_of(color).array([0.2126, 0.7152, 0.0722], dtype=color.dtype))
 
 
 def srgb(linear: Array) -> Array:
     """Linear light in [0, 1] to sRGB display values in [0, 1]."""
-    linear = np.clip(linear, 0.0, 1.0)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+    xp = module_of(linear)
+    linear = xp.clip(linear, 0.0, 1.0)
+    return xp.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
 
 
 def tone_mapped(radiance: Array) -> Array:
     """Linear radiance to display values in [0, 1]: Narkowicz's fit of the ACES film curve, then sRGB."""
-    x = np.maximum(radiance, 0.0)
+    x = module_of(radiance).maximum(radiance, 0.0)
     return srgb(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14))
 
 
 def to_bytes(display: Array) -> Array:
     """Display values in [0, 1] to uint8."""
-    return (np.clip(display, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+    return (module_of(display).clip(display, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)

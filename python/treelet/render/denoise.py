@@ -12,7 +12,7 @@ import itertools
 
 import numpy as np
 
-Array = np.ndarray
+from treelet.render.arrays import Array, module_of
 
 _KERNEL = {-1: 0.25, 0: 0.5, 1: 0.25}
 _LEVELS = 5  # reaches 1 + 2 + 4 + 8 + 16 = 31 pixels
@@ -30,31 +30,33 @@ def denoise(color: Array, variance: Array, normals: Array, depth: Array) -> Arra
 
     `variance` (h, w) is that of the pixel means of luminance. Depth 0 marks background.
     """
-    planes = np.ascontiguousarray(np.moveaxis(color, -1, 0), dtype=np.float32)
-    facing = np.ascontiguousarray(np.moveaxis(normals, -1, 0), dtype=np.float32)
-    facing /= np.sqrt((facing * facing).sum(axis=0)) + _TINY
-    depth = np.ascontiguousarray(depth, dtype=np.float32)
+    xp = module_of(color)
+    planes = xp.ascontiguousarray(xp.moveaxis(color, -1, 0), dtype=np.float32)
+    facing = xp.ascontiguousarray(xp.moveaxis(normals, -1, 0), dtype=np.float32)
+    facing /= xp.sqrt((facing * facing).sum(axis=0)) + _TINY
+    depth = xp.ascontiguousarray(depth, dtype=np.float32)
     for _ in range(_VARIANCE_BLURS):
         variance = _blurred(variance)
     for level in range(_LEVELS):
         planes, variance = _filter_level(planes, variance, facing, depth, 1 << level)
-    return _without_specks(np.moveaxis(planes, 0, -1))
+    return _without_specks(xp.moveaxis(planes, 0, -1))
 
 
 def _filter_level(
     planes: Array, variance: Array, normals: Array, depth: Array, step: int
 ) -> tuple[Array, Array]:
+    xp = module_of(planes)
     luminance = planes.mean(axis=0)
-    per_noise = np.float32(1.0) / (_NOISE_TOLERANCE * np.sqrt(_blurred(variance)) + _TINY)
+    per_noise = np.float32(1.0) / (_NOISE_TOLERANCE * xp.sqrt(_blurred(variance)) + _TINY)
     per_depth = np.float32(1.0) / (_DEPTH_TOLERANCE * np.float32(step) * depth + _TINY)
-    total = np.zeros_like(variance)
-    plane_sums, variance_sum = np.zeros_like(planes), np.zeros_like(variance)
+    total = xp.zeros_like(variance)
+    plane_sums, variance_sum = xp.zeros_like(planes), xp.zeros_like(variance)
     for dy, dx in itertools.product(_KERNEL, _KERNEL):
         here, there = _overlap(dy * step, dx * step)
-        exponent = np.abs(luminance[here] - luminance[there]) * per_noise[here]
+        exponent = xp.abs(luminance[here] - luminance[there]) * per_noise[here]
         with np.errstate(over="ignore"):  # background beside what is far away: a weight of zero
-            exponent += np.abs(depth[here] - depth[there]) * per_depth[here]
-        weight = np.exp(-exponent) * np.float32(_KERNEL[dy] * _KERNEL[dx])
+            exponent += xp.abs(depth[here] - depth[there]) * per_depth[here]
+        weight = xp.exp(-exponent) * np.float32(_KERNEL[dy] * _KERNEL[dx])
         if dy or dx:
             weight *= _alike(normals, here, there)
         total[here] += weight
@@ -67,7 +69,7 @@ def _filter_level(
 def _alike(normals: Array, here, there) -> Array:
     """A high power of the cosine between two normals; background matches background."""
     cosine = sum(plane[here] * plane[there] for plane in normals)
-    np.clip(cosine, 0.0, 1.0, out=cosine)
+    module_of(cosine).clip(cosine, 0.0, 1.0, out=cosine)
     for _ in range(_NORMAL_SQUARINGS):
         cosine *= cosine
     return cosine
@@ -82,7 +84,7 @@ def _overlap(dy: int, dx: int) -> tuple[tuple[slice, slice], tuple[slice, slice]
 
 def _blurred(values: Array) -> Array:
     """3 x 3 binomial blur with repeated borders."""
-    padded = np.pad(values, 1, mode="edge")
+    padded = module_of(values).pad(values, 1, mode="edge")
     rows = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
     return 0.25 * rows[:, :-2] + 0.5 * rows[:, 1:-1] + 0.25 * rows[:, 2:]
 
@@ -93,12 +95,13 @@ def _without_specks(color: Array) -> Array:
     A pixel on an edge sees two surfaces at once and matches neither side, so the filter leaves it as noisy
     as it was.
     """
+    xp = module_of(color)
     height, width = color.shape[:2]
-    padded = np.pad(color, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    padded = xp.pad(color, ((1, 1), (1, 1), (0, 0)), mode="edge")
     shifts = [(dy, dx) for dy, dx in itertools.product(range(3), range(3)) if (dy, dx) != (1, 1)]
-    low, high = np.full_like(color, np.inf), np.full_like(color, -np.inf)
+    low, high = xp.full_like(color, np.inf), xp.full_like(color, -np.inf)
     for dy, dx in shifts:
         neighbour = padded[dy : dy + height, dx : dx + width]
-        np.minimum(low, neighbour, out=low)
-        np.maximum(high, neighbour, out=high)
-    return np.clip(color, low, high)
+        xp.minimum(low, neighbour, out=low)
+        xp.maximum(high, neighbour, out=high)
+    return xp.clip(color, low, high)

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from treelet.render.arrays import Array, device_of, to_host
 from treelet.render.color import inferno, to_bytes
 from treelet.render.image import beside, colour_bar, stacked, titled
 from treelet.render.settings import RenderSettings
 from treelet.render.studio import Studio
 from treelet.render.work import Progress
-
-Array = np.ndarray
 
 _MOST_SAMPLES = 8
 _TOP_PERCENTILE = 99.5  # a few grazing rays must not darken all the others
@@ -23,7 +22,7 @@ _TOP_PERCENTILE = 99.5  # a few grazing rays must not darken all the others
 class CostMap:
     """Nodes visited a ray, averaged over each pixel."""
 
-    nodes: Array  # (height, width) float32
+    nodes: np.ndarray  # (height, width) float32, on the host
     label: str
 
     @property
@@ -40,7 +39,7 @@ def cost_map(studio: Studio, label: str = "", progress: Progress | None = None) 
         return studio.bvh.traversal_cost(origin, directions, 0.0, np.inf).nodes[:, None]
 
     samples = min(studio.settings.samples, _MOST_SAMPLES)
-    return CostMap(studio.average(trace, samples, 1, progress)[..., 0], label)
+    return CostMap(to_host(studio.average(trace, samples, 1, progress)[..., 0]), label)
 
 
 def render_heat(studio: Studio, progress: Progress | None = None) -> Array:
@@ -60,7 +59,9 @@ def render_heat_pair(
     """Heat maps of several trees over one mesh, side by side at one scale, uint8."""
     maps = []
     for index, (bvh, label) in enumerate(zip(bvhs, labels, strict=True)):
-        maps.append(cost_map(Studio(bvh, mesh, view, settings), label, _part(progress, index, len(bvhs))))
+        with device_of(bvh):
+            studio = Studio(bvh, mesh, view, settings)
+            maps.append(cost_map(studio, label, _part(progress, index, len(bvhs))))
     return heat_panels(maps)
 
 

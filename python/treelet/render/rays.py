@@ -10,12 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from treelet.render.arrays import Array, module_of
 from treelet.render.camera import Camera
 from treelet.render.directions import cosine_directions
 from treelet.render.sampling import Sampler
 from treelet.render.surface import Triangles
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)
@@ -37,12 +36,12 @@ class Rays:
         return query(self.origins, self.directions, t_max=self.t_max)
 
 
-def primary_rays(view, width: int, height: int, seed: int = 0) -> Rays:
-    """One jittered camera ray a pixel, row by row."""
-    camera = Camera(view, width, height)
-    pixel = np.arange(camera.pixel_count)
-    origin, directions = camera.rays(pixel, *Sampler(seed, 1).pairs(pixel, np.zeros_like(pixel), 0))
-    return Rays("primary", np.ascontiguousarray(np.broadcast_to(origin, directions.shape)), directions)
+def primary_rays(view, width: int, height: int, seed: int = 0, xp=np) -> Rays:
+    """One jittered camera ray a pixel, row by row, in arrays of `xp`, numpy or cupy."""
+    camera = Camera(view, width, height, xp)
+    pixel = xp.arange(camera.pixel_count)
+    origin, directions = camera.rays(pixel, *Sampler(seed, 1, xp).pairs(pixel, xp.zeros_like(pixel), 0))
+    return Rays("primary", xp.ascontiguousarray(xp.broadcast_to(origin, directions.shape)), directions)
 
 
 def diffuse_rays(bvh, mesh, primary: Rays, bounces: int = 1, samples: int = 1, seed: int = 0) -> Rays:
@@ -50,11 +49,12 @@ def diffuse_rays(bvh, mesh, primary: Rays, bounces: int = 1, samples: int = 1, s
 
     The rays of all bounces come one after the other in one batch, in the order of the pixels they belong to.
     """
-    sampler = Sampler(seed, samples)
-    triangles = Triangles(mesh.vertices, mesh.faces)
-    path = np.tile(np.arange(len(primary)), samples)
-    sample = np.repeat(np.arange(samples), len(primary))
-    rays = Rays("diffuse", np.tile(primary.origins, (samples, 1)), np.tile(primary.directions, (samples, 1)))
+    xp = module_of(primary.directions)
+    sampler = Sampler(seed, samples, xp)
+    triangles = Triangles(mesh.vertices, mesh.faces, xp)
+    path = xp.tile(xp.arange(len(primary)), samples)
+    sample = xp.repeat(xp.arange(samples), len(primary))
+    rays = Rays("diffuse", xp.tile(primary.origins, (samples, 1)), xp.tile(primary.directions, (samples, 1)))
     batches = []
     for bounce in range(bounces):
         surface = triangles.surface(rays.trace(bvh), rays.directions)
@@ -62,8 +62,8 @@ def diffuse_rays(bvh, mesh, primary: Rays, bounces: int = 1, samples: int = 1, s
         numbers = sampler.pairs(path, sample, 1 + bounce)
         rays = Rays("diffuse", surface.origins, cosine_directions(surface.normals, *numbers))
         batches.append(rays)
-    origins = np.concatenate([batch.origins for batch in batches])
-    return Rays("diffuse", origins, np.concatenate([batch.directions for batch in batches]))
+    origins = xp.concatenate([batch.origins for batch in batches])
+    return Rays("diffuse", origins, xp.concatenate([batch.directions for batch in batches]))
 
 
 def ambient_occlusion_rays(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-Array = np.ndarray
+from treelet.render.arrays import Array, module_of
 
 _TO_UNIT = np.float32(2.0**-32)
 _BELOW_ONE = np.float32(1.0 - 2.0**-24)
@@ -22,7 +22,7 @@ def hash_64(value: Array) -> Array:
     return value ^ (value >> np.uint64(31))
 
 
-def sobol_table(count: int) -> Array:
+def sobol_table(count: int) -> np.ndarray:
     """The first `count` points of the two-dimensional Sobol sequence, (count, 2) uint32 fixed point."""
     index = np.arange(count, dtype=np.uint32)
     table = np.zeros((count, 2), dtype=np.uint32)
@@ -39,10 +39,10 @@ def sobol_table(count: int) -> Array:
 class Sampler:
     """Pairs of numbers in [0, 1) for the pixels and samples of one picture."""
 
-    def __init__(self, seed: int, samples: int) -> None:
+    def __init__(self, seed: int, samples: int, xp=np) -> None:
         # A power of two, so that wrapping arithmetic on the indices can permute them.
         self._count = 1 << max(0, samples - 1).bit_length()
-        self._table = sobol_table(self._count)
+        self._xp, self._table = xp, xp.asarray(sobol_table(self._count))
         self._seed = hash_64(np.array([seed & 0xFFFFFFFFFFFFFFFF], dtype=np.uint64))[0]
 
     def pairs(self, pixel: Array, sample: Array, dimension: int) -> tuple[Array, Array]:
@@ -50,11 +50,11 @@ class Sampler:
 
         `dimension` tells apart the decisions one path takes: lens, first bounce, sun, ...
         """
-        key = np.asarray(pixel).astype(np.uint64) + np.uint64(
+        key = self._xp.asarray(pixel).astype(np.uint64) + np.uint64(
             dimension * 0x9E3779B97F4A7C15 & 0xFFFFFFFFFFFFFFFF
         )
         scramble = hash_64(key ^ self._seed)
-        point = self._table[self._shuffled(np.asarray(sample).astype(np.uint64), hash_64(scramble))]
+        point = self._table[self._shuffled(self._xp.asarray(sample).astype(np.uint64), hash_64(scramble))]
         first = point[..., 0] ^ scramble.astype(np.uint32)
         second = point[..., 1] ^ (scramble >> np.uint64(32)).astype(np.uint32)
         return _to_unit(first), _to_unit(second)
@@ -74,4 +74,4 @@ class Sampler:
 
 
 def _to_unit(bits: Array) -> Array:
-    return np.minimum(bits.astype(np.float32) * _TO_UNIT, _BELOW_ONE)
+    return module_of(bits).minimum(bits.astype(np.float32) * _TO_UNIT, _BELOW_ONE)

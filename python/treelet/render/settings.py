@@ -20,11 +20,11 @@ class RenderSettings:
     reach: float = 0.08  # how far ambient occlusion looks, share of the scene's diagonal
     exposure: float | None = None  # linear factor; None measures the picture
     denoise: bool = True  # edge-avoiding filter over the noise of few samples
-    chunk: int = 1 << 16  # rays in flight at once in one worker, bounds the memory
+    chunk: int | None = None  # rays in flight at once, bounds the memory; None is 2^16 a thread, 2^21 on CUDA
 
     def __post_init__(self) -> None:
         for name in ("width", "height", "samples", "bounces", "chunk"):
-            if getattr(self, name) < 1:
+            if getattr(self, name) is not None and getattr(self, name) < 1:
                 raise ValueError(f"{name} is {getattr(self, name)}, but it must be at least 1")
         if not 0.0 < self.reach < math.inf:
             raise ValueError(f"reach is {self.reach}, but it must be finite and above 0")

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from treelet.render.arrays import Array, dot, module_of
 from treelet.render.directions import normalized
-
-Array = np.ndarray
 
 _LARGEST = float(np.finfo(np.float32).max)
 # 32 units in the last place of float32: several times what the error sources below can add up to.
@@ -32,23 +31,24 @@ class Surface:
 class Triangles:
     """Corners and face normals of a mesh, ready for looking up hits."""
 
-    def __init__(self, vertices: Array, faces: Array) -> None:
+    def __init__(self, vertices: Array, faces: Array, xp=np) -> None:
         with np.errstate(over="ignore"):  # what becomes infinite is not in the tree
-            self._vertices = np.asarray(vertices, dtype=np.float32)
-        self._faces = np.asarray(faces)
+            self._vertices = xp.asarray(vertices, dtype=np.float32)
+        self._faces = xp.asarray(faces)
 
     def surface(self, hits, directions: Array) -> Surface:
         """The surface under `hits` of rays with `directions` (n, 3)."""
-        ray = np.flatnonzero(hits.face >= 0)
+        xp = module_of(directions)
+        ray = xp.flatnonzero(hits.face >= 0)
         t = hits.t[ray]
         corners = self._vertices[self._faces[hits.face[ray]]].astype(np.float64)
         edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         # From the barycentrics, not from origin + t * direction: the error then does not grow with the
         # ray's length.
-        points = corners[:, 0] + hits.u[ray, None] * edge_u + hits.v[ray, None] * edge_v
-        normals = normalized(np.cross(edge_u, edge_v))
-        facing = np.einsum("ij,ij->i", normals, directions[ray])
-        normals = np.where(facing[:, None] > 0.0, -normals, normals)
+        points = corners[:, 0] + hits.u[ray][:, None] * edge_u + hits.v[ray][:, None] * edge_v
+        normals = normalized(xp.cross(edge_u, edge_v))
+        facing = dot(normals, directions[ray])
+        normals = xp.where(facing[:, None] > 0.0, -normals, normals)
         return Surface(ray, t, points, normals.astype(np.float32), offset_origins(points, normals, t))
 
 
@@ -60,6 +60,7 @@ def offset_origins(points: Array, normals: Array, t: Array) -> Array:
     rounding of a distance of length t. An absolute epsilon would be too small at 1e7 and larger than the
     whole scene at 1e-7.
     """
-    distance = _OFFSET * (np.abs(points).max(axis=1, initial=0.0) + t.astype(np.float64))
+    xp = module_of(points)
+    distance = _OFFSET * (xp.abs(points).max(axis=1) + t.astype(np.float64))
     moved = points + distance[:, None] * normals
-    return np.clip(moved, -_LARGEST, _LARGEST).astype(np.float32)
+    return xp.clip(moved, -_LARGEST, _LARGEST).astype(np.float32)
