@@ -1,11 +1,16 @@
 """Build, test and measure treelet on this machine's GPU, with what is installed; downloads nothing.
 
-python tools/gpu.py [STEP ...] [--budget SECONDS] [--out FOLDER]
+python tools/gpu.py [SLICE or STEP ...] [--budget SECONDS] [--out FOLDER] [--resume]
 
 Needs nvcc, CMake, Ninja and a C++ compiler; for the Python half nanobind, NumPy and pytest in the Python
 that runs this; for the C++ tests GoogleTest (installed, in /usr/src/googletest, or where TREELET_GTEST_ROOT
-says); for the checks compute-sanitizer. What is missing is skipped and named. A failed step does not keep
-later ones from running. Leaves gpu.log and gpu.jsonl in out/gpu, or where --out says.
+says); for the checks compute-sanitizer, for counters Nsight Compute. What is missing is skipped and named. A
+failed step does not keep later ones from running.
+
+Slices are groups of steps, each of ten minutes or less on a large machine, so that one with a limit can take
+them one by one: with --budget 570 a slice stops in time, and a measuring one goes on where it was when it is
+called again. Leaves in out/gpu, or where --out says: gpu.jsonl (measurements), steps.jsonl (what became of
+the steps), report.md, kernels.jsonl, counters.csv and gpu.log.
 """
 
 from __future__ import annotations
@@ -20,7 +25,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -28,6 +33,16 @@ BUILD = ROOT / "build" / "gpu"
 SITE = BUILD / "site"  # holds the Python package
 TESTS = BUILD / "tests" / "treelet_gpu_tests"
 CHECKS = ("memcheck", "racecheck", "synccheck", "initcheck")
+# What runs under the sanitizers, each kernel once on little: they slow it down a hundredfold.
+CHECKED_TESTS = (
+    "*OfFew*",
+    "DeviceBvhTest.AnswersLikeTheHost*",
+    "DeviceSort.*",
+    "DeviceRayOrder.*",
+    "StreamRays.AnswersAsOneBatch*",
+)
+UNFINISHED = 3  # the benchmark's exit code where time ended before the measurements
+MARGIN = 20.0  # seconds that the benchmark has to end in
 
 
 class CannotRunError(Exception):
@@ -40,10 +55,21 @@ class Runner:
 
     log: Path
     deadline: float
-    json_lines: list[str] = field(default_factory=list)
 
-    def __call__(self, *command: str | Path, **environment: str) -> None:
-        """Run one command; raises CalledProcessError, TimeoutExpired, or OSError where it is not found."""
+    @property
+    def folder(self) -> Path:
+        """Where results go."""
+        return self.log.parent
+
+    def seconds_left(self) -> float:
+        """Of the budget."""
+        return max(1.0, self.deadline - time.monotonic())
+
+    def __call__(self, *command: str | Path, save: str = "", **environment: str) -> None:
+        """Run one command; what a successful one printed is also saved in a file of the folder, if named.
+
+        Raises CalledProcessError, TimeoutExpired, or OSError where it is not found.
+        """
         with self.log.open("ab") as log:
             log.write(f"\n$ {' '.join(map(str, command))}\n".encode())
             log.flush()
@@ -57,29 +83,15 @@ class Runner:
                 start_new_session=True,  # so that what it started ends with it
             )
             try:
-                code = process.wait(max(1.0, self.deadline - time.monotonic()))
+                code = process.wait(self.seconds_left())
             except BaseException:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
                 raise
-            finally:
-                self._collect_json(begin)
         if code != 0:
             raise subprocess.CalledProcessError(code, command)
-
-    def _collect_json(self, begin: int) -> None:
-        with self.log.open("rb") as log:
-            log.seek(begin)
-            lines = log.read().decode(errors="replace").splitlines()
-        self.json_lines += [line for line in lines if line.startswith("{") and _is_json(line)]
-
-
-def _is_json(line: str) -> bool:
-    try:
-        json.loads(line)
-    except ValueError:
-        return False
-    return True
+        if save:
+            (self.folder / save).write_bytes(self.log.read_bytes()[begin:])
 
 
 def has_module(name: str) -> bool:
@@ -120,6 +132,9 @@ def configure(run: Runner) -> None:
         f"-DTREELET_BUILD_TESTS={'OFF' if options is None else 'ON'}",
         f"-DTREELET_BUILD_PYTHON={'ON' if has_module('nanobind') else 'OFF'}",
         f"-DPython_EXECUTABLE={sys.executable}",
+        # As the preset `cuda`: what ptxas says of the kernels is kept beside their objects.
+        f"-DCMAKE_CUDA_COMPILER_LAUNCHER={sys.executable};{ROOT / 'tools' / 'keep_output.py'}",
+        "-DCMAKE_CUDA_FLAGS=-Xptxas=-v",
         *(options or []),
     )
 
@@ -143,7 +158,7 @@ def _require_tests() -> None:
 
 
 def sanitize(tool: str) -> Callable[[Runner], None]:
-    """Return the step that runs them, without the slow ones, under a tool of compute-sanitizer."""
+    """Return the step that runs a few of them under a tool of compute-sanitizer."""
 
     def check(run: Runner) -> None:
         _require_tests()
@@ -155,7 +170,7 @@ def sanitize(tool: str) -> Callable[[Runner], None]:
             "--error-exitcode=9",
             TESTS,
             "--gtest_brief=1",
-            "--gtest_filter=-*Slow*",
+            f"--gtest_filter={':'.join(CHECKED_TESTS)}-*Slow*",
         )
 
     return check
@@ -171,11 +186,23 @@ def build_package(run: Runner) -> None:
     run("cmake", "--install", BUILD, "--component", "python", "--prefix", SITE)
 
 
-def run_python(run: Runner, *arguments: str | Path) -> None:
+def run_python(run: Runner, *arguments: str | Path, save: str = "") -> None:
     """Run this Python with that package."""
     if not (SITE / "treelet").exists():
         raise CannotRunError("the Python package was not built")
-    run(sys.executable, *arguments, PYTHONPATH=os.pathsep.join([str(SITE), os.environ.get("PYTHONPATH", "")]))
+    path = os.pathsep.join([str(SITE), os.environ.get("PYTHONPATH", "")])
+    run(sys.executable, *arguments, save=save, PYTHONPATH=path, TREELET_COMMIT=source_commit())
+
+
+def source_commit() -> str:
+    """What the package is made of, for measurements: TREELET_COMMIT, or what git says; empty if neither."""
+    if named := os.environ.get("TREELET_COMMIT"):
+        return named
+    git = ["git", "-C", str(ROOT), "describe", "--always", "--dirty=+", "--exclude=*", "--abbrev=12"]
+    try:
+        return subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return ""
 
 
 def use_package(run: Runner) -> None:
@@ -193,28 +220,62 @@ def test_package(run: Runner) -> None:
     run_python(run, "-m", "pytest", *sorted((ROOT / "tests" / "python").glob("*cuda*.py")))
 
 
-def measure(run: Runner) -> None:
-    """Run the benchmark of the GPU, whose records go to gpu.jsonl."""
-    if not (ROOT / "python" / "treelet" / "bench" / "gpu.py").exists():
-        raise CannotRunError("there is no treelet.bench.gpu")
-    run_python(run, "-m", "treelet.bench.gpu")
+def measure(*parts: str) -> Callable[[Runner], None]:
+    """Return the step that measures parts of the benchmark which gpu.jsonl does not hold yet."""
+
+    def bench(run: Runner) -> None:
+        seconds = max(1, int(run.seconds_left() - MARGIN))
+        command = ["-m", "treelet.bench.gpu", f"--parts={','.join(parts)}", f"--seconds={seconds}"]
+        run_python(run, *command, f"--output={run.folder / 'gpu.jsonl'}")
+
+    return bench
+
+
+def list_resources(run: Runner) -> None:
+    """Save what the compiler said of the kernels as kernels.jsonl."""
+    if not list(BUILD.rglob("*.cu.o.log")):
+        raise CannotRunError("nothing was compiled for CUDA")
+    tool = ROOT / "tools" / "kernel_resources.py"
+    run(sys.executable, tool, BUILD, "--json", "--allow-spill=*", save="kernels.jsonl")
+
+
+def count(run: Runner) -> None:
+    """Let Nsight Compute count what every kernel does, into counters.csv."""
+    if not shutil.which("ncu"):
+        raise CannotRunError("no Nsight Compute (ncu)")
+    run_python(run, "-m", "treelet.bench.gpu.workload", f"--counters={run.folder / 'counters.csv'}")
+
+
+def report(run: Runner) -> None:
+    """Make report.md of what there is, and print the goals."""
+    files = {"gpu.jsonl": "", "kernels.jsonl": "--resources=", "counters.csv": "--counters="}
+    found = [f"{option}{run.folder / name}" for name, option in files.items() if (run.folder / name).exists()]
+    run_python(run, "-m", "treelet.bench.gpu.report", *found, save="report.md")
+    goals = (run.folder / "report.md").read_text(encoding="utf-8").partition("## Goals")[2]
+    print(goals.partition("\n## ")[0].strip("\n"), flush=True)
 
 
 # The quick and telling ones first, for a budget may end before the list does.
-STEPS: dict[str, Callable[[Runner], None]] = {
-    "machine": describe_machine,
-    "configure": configure,
-    "build-package": build_package,
-    "import": use_package,
-    "build-tests": build_tests,
-    "test": run_tests,
-    "test-python": test_package,
-    "bench": measure,
-} | {tool: sanitize(tool) for tool in CHECKS}
+SLICES: dict[str, dict[str, Callable[[Runner], None]]] = {
+    "prepare": {
+        "machine": describe_machine,
+        "configure": configure,
+        "build-package": build_package,
+        "import": use_package,
+        "build-tests": build_tests,
+    },
+    "check": {"test": run_tests, "test-python": test_package} | {tool: sanitize(tool) for tool in CHECKS},
+    "rays": {"bench-rays": measure("copy", "calls", "rays", "stream")},
+    "builds": {"bench-builds": measure("copy", "builds")},
+    "versus": {"bench-versus": measure("versus")},
+    "profile": {"resources": list_resources, "counters": count},
+    "report": {"write-report": report},
+}
+STEPS = {name: step for steps in SLICES.values() for name, step in steps.items()}
 
 
 def run_step(name: str, run: Runner) -> dict[str, object]:
-    """What became of one step: passed, failed or skipped, why, and the seconds it took."""
+    """What became of one step: passed, failed, skipped or unfinished, why, and the seconds it took."""
     begin, place = time.monotonic(), run.log.stat().st_size
     print(f"{name} ...", flush=True)
     outcome, detail = "passed", ""
@@ -225,7 +286,9 @@ def run_step(name: str, run: Runner) -> dict[str, object]:
     except CannotRunError as reason:
         outcome, detail = "skipped", str(reason)
     except subprocess.CalledProcessError as error:
-        outcome, detail = "failed", f"exit code {error.returncode}"
+        is_unfinished = error.returncode == UNFINISHED and name.startswith("bench")
+        outcome = "unfinished" if is_unfinished else "failed"
+        detail = "run it again" if is_unfinished else f"exit code {error.returncode}"
     except subprocess.TimeoutExpired:
         outcome, detail = "failed", "out of time"
     except OSError as error:
@@ -244,37 +307,69 @@ def print_tail(log: Path, begin: int, lines: int = 40) -> None:
     print("".join(f"    {line}\n" for line in text.splitlines()[-lines:]), end="", flush=True)
 
 
-def main(arguments: list[str]) -> int:
-    """Run the steps that are named, by default all; return 1 if one failed."""
+def steps_of(names: list[str]) -> list[str]:
+    """Slices and steps as steps, all where none is named. Raises KeyError for an unknown one."""
+    found = [name for each in names or SLICES for name in SLICES.get(each, [each])]
+    if unknown := [name for name in found if name not in STEPS]:
+        raise KeyError(unknown[0])
+    return found
+
+
+def passed_steps(record: Path) -> set[str]:
+    """Steps whose last outcome in a steps.jsonl is that they passed."""
+    if not record.exists():
+        return set()
+    lines = [json.loads(line) for line in record.read_text(encoding="utf-8").splitlines()]
+    last = {line["step"]: line["outcome"] for line in lines}
+    return {step for step, outcome in last.items() if outcome == "passed"}
+
+
+def parse(arguments: list[str]) -> argparse.Namespace:
+    """Read the command line; makes the folder."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("steps", nargs="*", metavar="STEP", help=f"of: {', '.join(STEPS)}; by default all")
+    names = "; ".join(f"{name} ({', '.join(steps)})" for name, steps in SLICES.items())
+    parser.add_argument("names", nargs="*", metavar="SLICE or STEP", help=f"by default all: {names}")
     parser.add_argument("--budget", type=float, default=3600, help="seconds for all steps together")
+    parser.add_argument("--resume", action="store_true", help="leave out steps that passed, by steps.jsonl")
     parser.add_argument(
         "--out",
         type=Path,
         metavar="FOLDER",
         default=os.environ.get("OUT") or ROOT / "out" / "gpu",
-        help="for gpu.log and gpu.jsonl; by default the variable OUT, if set, else out/gpu",
+        help="for the results; by default the variable OUT, if set, else out/gpu",
     )
     options = parser.parse_args(arguments)
-    if unknown := set(options.steps) - set(STEPS):
-        parser.error(f"no such step: {', '.join(sorted(unknown))}; there are {', '.join(STEPS)}")
-    out = options.out.absolute()  # steps run in the root of the sources
-    run = Runner(out / "gpu.log", time.monotonic() + options.budget)
     try:
-        out.mkdir(parents=True, exist_ok=True)
-        run.log.write_bytes(b"")
+        options.steps = steps_of(options.names)
+    except KeyError as error:
+        parser.error(f"no such step: {error.args[0]}; there are {', '.join([*SLICES, *STEPS])}")
+    options.out = options.out.absolute()  # steps run in the root of the sources
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+        (options.out / "gpu.log").open("ab").close()
     except OSError as error:
-        parser.error(f"cannot write to {out}: {error.strerror}")
+        parser.error(f"cannot write to {options.out}: {error.strerror}")
+    return options
+
+
+def main(arguments: list[str]) -> int:
+    """Run the steps that are named, by default all; return 1 if one failed, 3 if one is to be run again."""
+    options = parse(arguments)
+    run = Runner(options.out / "gpu.log", time.monotonic() + options.budget)
+    record = options.out / "steps.jsonl"
+    done = passed_steps(record) if options.resume else set()
     results = []
-    for name in options.steps or STEPS:
+    for name in options.steps:
+        if name in done:
+            continue
         results.append(run_step(name, run))
-        lines = [*run.json_lines, *map(json.dumps, results)]
-        (out / "gpu.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print(f"\n{'step':14} {'outcome':8} {'seconds':>7}  (all output: {run.log})")
+        with record.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(results[-1]) + "\n")
+    print(f"\n{'step':14} {'outcome':10} {'seconds':>7}  (all output: {run.log})")
     for result in results:
-        print(f"{result['step']:14} {result['outcome']:8} {result['seconds']:7}  {result['detail']}")
-    return 1 if any(result["outcome"] == "failed" for result in results) else 0
+        print(f"{result['step']:14} {result['outcome']:10} {result['seconds']:7}  {result['detail']}")
+    outcomes = {result["outcome"] for result in results}
+    return 1 if "failed" in outcomes else UNFINISHED if "unfinished" in outcomes else 0
 
 
 if __name__ == "__main__":

@@ -68,12 +68,33 @@ def best_ranges(curves: Sequence[Curve], fewest: float = FEWEST_RAYS, most: floa
 
 
 def curves_of(measurements: Iterable[Measurement], kind: str = "diffuse") -> list[Curve]:
-    """One curve a label, in the order of appearance, from its "build" and its `kind` measurement."""
+    """One curve a label, in the order of appearance, from its "build" and its `kind` measurement.
+
+    A label that was traced in another way only (as with sorted rays) has the build of its recipe.
+    """
     seconds: dict[str, float] = {}
-    rates: dict[str, float] = {}
+    by_recipe: dict[str, float] = {}
+    rates: dict[str, tuple[str, float]] = {}
     for measurement in measurements:
         if measurement.kind == "build":
             seconds[measurement.label] = measurement.seconds
+            by_recipe[measurement.recipe] = measurement.seconds
         elif measurement.kind == kind:
-            rates[measurement.label] = measurement.rays_per_second
-    return [Curve(label, seconds[label], rates[label]) for label in seconds if label in rates]
+            rates[measurement.label] = (measurement.recipe, measurement.rays_per_second)
+    labels = [
+        *(label for label in seconds if label in rates),
+        *(label for label in rates if label not in seconds),
+    ]
+    builds = {label: seconds.get(label, by_recipe.get(rates[label][0])) for label in labels}
+    return [Curve(label, build, rates[label][1]) for label, build in builds.items() if build is not None]
+
+
+def ranges_of(ranges: Iterable[Range], word: str) -> list[Range]:
+    """Where a recipe with a word is best, neighbouring ranges joined."""
+    joined: list[Range] = []
+    for each in ranges:
+        if word not in each.label:
+            continue
+        start = joined.pop().start if joined and joined[-1].end == each.start else each.start
+        joined.append(Range(word, start, each.end))
+    return joined

@@ -24,7 +24,12 @@ def describe_machine() -> dict[str, str | int]:
 
 @functools.cache
 def source_commit() -> str | None:
-    """The commit of this package's source tree, "+" appended where files differ; None outside a checkout."""
+    """The commit of this package's source tree, "+" appended where files differ; None outside a checkout.
+
+    The environment variable TREELET_COMMIT goes first: it names what a copy elsewhere was made of.
+    """
+    if named := os.environ.get("TREELET_COMMIT"):
+        return named
     folder = Path(__file__).resolve().parent
     commit = _git(folder, "rev-parse", "--short=12", "HEAD")
     # An installed package may lie inside somebody else's repository.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,16 @@ from treelet.plots.style import THEMES, Theme, figure
 _USES = (("interactive", 1e6, 1e8), ("design", 1e8, 1e10), ("film", 1e10, 1e12))
 _HEADROOM = 1.22  # of the y axis above the highest line, for the names of the bands
 _LABEL_DISTANCE = 0.10  # least vertical distance of two labels, share of the axis
+
+
+class _Scale(NamedTuple):
+    """What rates are counted in."""
+
+    rays: float
+    unit: str
+
+
+_MEGA, _GIGA = _Scale(1e6, "Mrays/s"), _Scale(1e9, "Grays/s")
 
 
 def plot_effective(
@@ -30,12 +41,14 @@ def plot_effective(
         raise ValueError(f"unknown theme '{theme}': choose one of {', '.join(THEMES)}")
     colors = THEMES[theme]
     with figure(path, colors) as (_, axes):
-        top = _HEADROOM * max(curve.at(MOST_RAYS) for curve in curves) / 1e6
-        _prepare_axes(axes, top)
+        highest = max(curve.at(MOST_RAYS) for curve in curves)
+        scale = _GIGA if highest >= _GIGA.rays else _MEGA
+        top = _HEADROOM * highest / scale.rays
+        _prepare_axes(axes, top, scale)
         _shade_uses(axes, colors)
-        _draw_curves(axes, curves, colors)
-        _mark_best(axes, curves, colors, top)
-        _label_ends(axes, curves, colors, top)
+        _draw_curves(axes, curves, colors, scale)
+        _mark_best(axes, curves, colors, top, scale)
+        _label_ends(axes, curves, colors, top, scale)
         _write_title(axes, scene, note, colors)
     return Path(path)
 
@@ -49,7 +62,7 @@ def ray_count_text(rays: float) -> str:
     return f"{rays:.0f}"
 
 
-def _prepare_axes(axes, top: float) -> None:
+def _prepare_axes(axes, top: float, scale: _Scale) -> None:
     axes.set_xscale("log")
     axes.set_xlim(FEWEST_RAYS, MOST_RAYS)
     axes.set_ylim(0.0, top)
@@ -57,7 +70,7 @@ def _prepare_axes(axes, top: float) -> None:
     axes.set_xticks(ticks, [ray_count_text(tick) for tick in ticks])
     axes.tick_params(axis="x", which="minor", bottom=False)
     axes.set_xlabel("rays traced with one tree")
-    axes.set_ylabel("effective Mrays/s, build included")
+    axes.set_ylabel(f"effective {scale.unit}, build included")
 
 
 def _shade_uses(axes, colors: Theme) -> None:
@@ -76,13 +89,14 @@ def _shade_uses(axes, colors: Theme) -> None:
         )
 
 
-def _draw_curves(axes, curves: Sequence[Curve], colors: Theme) -> None:
+def _draw_curves(axes, curves: Sequence[Curve], colors: Theme, scale: _Scale) -> None:
     rays = np.geomspace(FEWEST_RAYS, MOST_RAYS, 400)
     for index, curve in enumerate(curves):
-        axes.plot(rays, [curve.at(count) / 1e6 for count in rays], color=_line_color(colors, index), zorder=3)
+        rates = [curve.at(count) / scale.rays for count in rays]
+        axes.plot(rays, rates, color=_line_color(colors, index), zorder=3)
 
 
-def _mark_best(axes, curves: Sequence[Curve], colors: Theme, top: float) -> None:
+def _mark_best(axes, curves: Sequence[Curve], colors: Theme, top: float, scale: _Scale) -> None:
     """A bar along the top of the data in the colour of the best recipe, and a dot at each change."""
     labels = [curve.label for curve in curves]
     height = 0.90 * top
@@ -101,11 +115,11 @@ def _mark_best(axes, curves: Sequence[Curve], colors: Theme, top: float) -> None
                 fontsize=9.5,
             )
         if best.start > FEWEST_RAYS:
-            _mark_crossover(axes, curves[index], best, colors, height)
+            value = curves[index].at(best.start) / scale.rays
+            _mark_crossover(axes, value, best, colors, height)
 
 
-def _mark_crossover(axes, curve: Curve, best: Range, colors: Theme, height: float) -> None:
-    value = curve.at(best.start) / 1e6
+def _mark_crossover(axes, value: float, best: Range, colors: Theme, height: float) -> None:
     axes.plot(
         [best.start, best.start],
         [value, height],
@@ -128,11 +142,13 @@ def _mark_crossover(axes, curve: Curve, best: Range, colors: Theme, height: floa
     )
 
 
-def _label_ends(axes, curves: Sequence[Curve], colors: Theme, top: float) -> None:
+def _label_ends(axes, curves: Sequence[Curve], colors: Theme, top: float, scale: _Scale) -> None:
     """Names and figures at the right end of the lines."""
-    heights = spread_apart([curve.at(MOST_RAYS) / 1e6 / top for curve in curves], _LABEL_DISTANCE)
+    heights = spread_apart([curve.at(MOST_RAYS) / scale.rays / top for curve in curves], _LABEL_DISTANCE)
     for index, (curve, height) in enumerate(zip(curves, heights, strict=True)):
-        detail = f"build {curve.build_seconds * 1e3:,.0f} ms, {curve.rays_per_second / 1e6:.2f} Mrays/s"
+        milliseconds = curve.build_seconds * 1e3
+        build = f"{milliseconds:,.0f}" if milliseconds >= 10 else f"{milliseconds:.2f}"
+        detail = f"build {build} ms, {curve.rays_per_second / scale.rays:.2f} {scale.unit}"
         common = {"xycoords": "axes fraction", "va": "center", "annotation_clip": False}
         axes.annotate(
             f"{curve.label}\n",
