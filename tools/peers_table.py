@@ -1,0 +1,176 @@
+"""Print what bench/peers measured, as Markdown: the goals scene by scene, and every contender's means.
+
+python tools/peers_table.py out/peers [--fast LABEL] [--balanced LABEL]
+
+Rates over Embree's and build times over Embree's are of medians; compare only lines of one run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import statistics
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+LOW, HIGH, HIGH_PACKETS = "Embree LOW", "Embree HIGH", "Embree HIGH packets"
+LONG_THIN = ("hospital_mep", "clinic")  # building models that need spatial splits: in means of their own
+
+
+class Scene:
+    """The measurements of one file."""
+
+    def __init__(self, records: Iterable[dict[str, Any]]) -> None:
+        self.records = {(record["label"], record["kind"]): record for record in records}
+        first = next(iter(self.records.values()))
+        self.name: str = first["scene"]
+        self.faces: int = first["faces"]
+
+    @property
+    def labels(self) -> list[str]:
+        """Of all that built a tree."""
+        return [label for label, kind in self.records if kind == "build"]
+
+    def seconds(self, label: str, kind: str) -> float | None:
+        """The median; None where it was not measured."""
+        record = self.records.get((label, kind))
+        return None if record is None else statistics.median(record["samples"])
+
+    def speed(self, label: str, reference: str, kind: str) -> float | None:
+        """How many times as fast as the reference."""
+        return divided(self.seconds(reference, kind), self.seconds(label, kind))
+
+    def work(self, label: str, detail: str) -> float | None:
+        """What a diffuse ray takes, "nodes_per_ray" or "triangles_per_ray"; Embree does not count."""
+        record = self.records.get((label, "diffuse"))
+        return None if record is None else record["details"].get(detail)
+
+    def bytes_per_face(self, label: str, detail: str = "bytes") -> float | None:
+        """Of the tree, or with "peak_bytes" while it is built."""
+        record = self.records.get((label, "build"))
+        size = None if record is None else record["details"].get(detail)
+        return divided(size, self.faces)
+
+
+def divided(above: float | None, below: float | None) -> float | None:
+    """None where one is missing or there is nothing to divide by."""
+    return None if above is None or not below else above / below
+
+
+class Column(NamedTuple):
+    """A figure of a scene."""
+
+    heading: str
+    of: Callable[[Scene], float | None]
+
+
+def goal_columns(fast: str, balanced: str) -> list[Column]:
+    """Speed over Embree's: above 1 is faster."""
+    return [
+        Column("fast: build / LOW", lambda scene: scene.speed(fast, LOW, "build")),
+        Column("fast: diffuse / LOW", lambda scene: scene.speed(fast, LOW, "diffuse")),
+        Column("build / LOW", lambda scene: scene.speed(balanced, LOW, "build")),
+        Column("diffuse / HIGH", lambda scene: scene.speed(balanced, HIGH, "diffuse")),
+        Column("any hit / HIGH", lambda scene: scene.speed(balanced, HIGH, "ambient_occlusion")),
+        Column("primary / HIGH", lambda scene: scene.speed(balanced, HIGH, "primary")),
+        Column("primary / packets", lambda scene: _packet_speed(scene, balanced)),
+        Column("B/triangle", lambda scene: scene.bytes_per_face(balanced)),
+        Column("of HIGH", lambda scene: scene.bytes_per_face(HIGH)),
+    ]
+
+
+def _packet_speed(scene: Scene, label: str) -> float | None:
+    return scene.speed(label, HIGH_PACKETS, "primary")
+
+
+def contender_columns(label: str) -> list[Column]:
+    """A contender's figures, the same for ours and Embree's."""
+    return [
+        Column("build / LOW", lambda scene: scene.speed(label, LOW, "build")),
+        Column("primary / HIGH", lambda scene: scene.speed(label, HIGH, "primary")),
+        Column("diffuse / LOW", lambda scene: scene.speed(label, LOW, "diffuse")),
+        Column("diffuse / HIGH", lambda scene: scene.speed(label, HIGH, "diffuse")),
+        Column("any hit / HIGH", lambda scene: scene.speed(label, HIGH, "ambient_occlusion")),
+        Column("nodes/ray", lambda scene: scene.work(label, "nodes_per_ray")),
+        Column("triangles/ray", lambda scene: scene.work(label, "triangles_per_ray")),
+        Column("B/triangle", lambda scene: scene.bytes_per_face(label)),
+        Column("peak B/triangle", lambda scene: scene.bytes_per_face(label, "peak_bytes")),
+    ]
+
+
+def geometric_mean(values: Iterable[float | None]) -> float | None:
+    """Of those that are there."""
+    known = [value for value in values if value is not None]
+    return math.exp(statistics.fmean(map(math.log, known))) if known else None
+
+
+def means(scenes: Sequence[Scene], columns: Sequence[Column]) -> list[float | None]:
+    """The geometric mean of each column over the scenes."""
+    return [geometric_mean(column.of(scene) for scene in scenes) for column in columns]
+
+
+def goal_table(scenes: Sequence[Scene], fast: str, balanced: str) -> list[list[str]]:
+    """A row a scene and two of means."""
+    columns = goal_columns(fast, balanced)
+    rows = [["scene", "triangles", *(column.heading for column in columns)]]
+    for scene in scenes:
+        rows.append([scene.name, f"{scene.faces:,}", *(_cell(column.of(scene)) for column in columns)])
+    others = [scene for scene in scenes if scene.name not in LONG_THIN]
+    rows.append(["**geometric mean**", "", *map(_cell, means(scenes, columns))])
+    if 0 < len(others) < len(scenes):
+        rows.append([f"**without {' and '.join(LONG_THIN)}**", "", *map(_cell, means(others, columns))])
+    return rows
+
+
+def contender_table(scenes: Sequence[Scene]) -> list[list[str]]:
+    """A row a contender with its means over all scenes."""
+    labels = dict.fromkeys(label for scene in scenes for label in scene.labels)
+    rows = [["contender", *(column.heading for column in contender_columns(""))]]
+    for label in labels:
+        rows.append([label, *map(_cell, means(scenes, contender_columns(label)))])
+    return rows
+
+
+def read_scenes(folder: Path) -> list[Scene]:
+    """One of each file in the folder that has both Embrees to compare with."""
+    scenes = []
+    for path in sorted(folder.glob("*.jsonl")):
+        records = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+        if {(LOW, "build"), (HIGH, "build")} <= {(record["label"], record["kind"]) for record in records}:
+            scenes.append(Scene(records))
+    return scenes
+
+
+def _cell(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.0f}" if value >= 20 else f"{value:.2f}"
+
+
+def _print_markdown(rows: Sequence[Sequence[str]]) -> None:
+    print("| " + " | ".join(rows[0]) + " |")
+    print("|---|" + "--:|" * (len(rows[0]) - 1))
+    for row in rows[1:]:
+        print("| " + " | ".join(row) + " |")
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    """Run the command."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--fast", default="fast", metavar="LABEL", help="whose build is held against LOW's")
+    parser.add_argument("--balanced", default="balanced", metavar="LABEL", help="who is held against HIGH")
+    options = parser.parse_args(words)
+    scenes = read_scenes(options.folder)
+    if not scenes:
+        parser.error(f"no measurements of {LOW} and {HIGH} in {options.folder}")
+    print("Speed over Embree's (above 1: faster) and bytes.\n")
+    _print_markdown(goal_table(scenes, options.fast, options.balanced))
+    print("\nGeometric means over all scenes; work is that of diffuse rays.\n")
+    _print_markdown(contender_table(scenes))
+
+
+if __name__ == "__main__":
+    main()
