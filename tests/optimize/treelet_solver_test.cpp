@@ -181,14 +181,21 @@ TEST_P(TreeletSolver, FindsTheBestOfAllTopologies) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, TreeletSolver, testing::Range(3, 8));
 
+/// One triangle of cost 3 each, in the same place.
+TreeletLeaves unit_cubes(int size) {
+  TreeletLeaves leaves;
+  leaves.size = size;
+  leaves.box.fill({{0, 0, 0}, {1, 1, 1}});
+  leaves.cost.fill(3.0f);
+  leaves.count.fill(1);
+  return leaves;
+}
+
 TEST(TreeletSolverByHand, JoinsNeighboursFirst) {
   // Two pairs of unit cubes far apart, given interleaved: a c b d.
   const auto cube = [](float x) { return Aabb{{x, 0, 0}, {x + 1, 1, 1}}; };
-  TreeletLeaves leaves;
-  leaves.size = 4;
+  TreeletLeaves leaves = unit_cubes(4);
   leaves.box = {cube(0), cube(100), cube(1), cube(101)};
-  leaves.cost.fill(3.0f);
-  leaves.count.fill(1);
   const SahModel sah{.leaf_limit = 1};
   TreeletSolution solution;
   solve_treelet(leaves, sah, solution);
@@ -199,11 +206,7 @@ TEST(TreeletSolverByHand, JoinsNeighboursFirst) {
 }
 
 TEST(TreeletSolverByHand, OfEqualCostsTheSmallestPartIsTaken) {
-  TreeletLeaves leaves;
-  leaves.size = 5;
-  leaves.box.fill({{0, 0, 0}, {1, 1, 1}});
-  leaves.cost.fill(3.0f);
-  leaves.count.fill(1);
+  const TreeletLeaves leaves = unit_cubes(5);
   TreeletSolution solution;
   solve_treelet(leaves, {.leaf_limit = 1}, solution);
   EXPECT_EQ(solution.part(0b11111), 0b00010u);  // all topologies cost the same
@@ -211,11 +214,7 @@ TEST(TreeletSolverByHand, OfEqualCostsTheSmallestPartIsTaken) {
 }
 
 TEST(TreeletSolverByHand, ASubsetMayBecomeOneLeaf) {
-  TreeletLeaves leaves;
-  leaves.size = 4;
-  leaves.box.fill({{0, 0, 0}, {1, 1, 1}});
-  leaves.cost.fill(3.0f);
-  leaves.count.fill(1);
+  const TreeletLeaves leaves = unit_cubes(4);
   TreeletSolution solution;
   solve_treelet(leaves, {.leaf_limit = 3}, solution);
   EXPECT_EQ(solution.cost(0b0111), 9.0f);  // three triangles in one box: no node pays

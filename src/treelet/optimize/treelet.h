@@ -25,7 +25,7 @@ struct TreeletConfig {
 void restructure_treelets(BinaryTree& tree, const SahModel& sah, const TreeletConfig& config);
 
 /// The same, one treelet after the other by the readable solver, and the same bytes: what the fast
-/// one is tested against. About three times slower.
+/// one is tested against. About eight times slower.
 void restructure_treelets_one_by_one(BinaryTree& tree, const SahModel& sah,
                                      const TreeletConfig& config);
 

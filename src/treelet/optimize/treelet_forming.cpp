@@ -55,7 +55,7 @@ Treelet form_treelet(const BinaryTree& tree, std::uint32_t root, int size) {
   return Growth(tree, root).grow(size);
 }
 
-TreeletLeaves gather_leaves(const BinaryTree& tree, const Array<float>& costs,
+TreeletLeaves gather_leaves(const BinaryTree& tree, const PairCosts& costs,
                             const Treelet& treelet) {
   TreeletLeaves leaves;
   leaves.size = treelet.size;
@@ -63,7 +63,7 @@ TreeletLeaves gather_leaves(const BinaryTree& tree, const Array<float>& costs,
     const std::size_t i = std::size_t(leaf);
     const std::uint32_t slot = treelet.leaf_slots[i];
     leaves.box[i] = tree.nodes[slot].box();
-    leaves.cost[i] = costs[slot];
+    leaves.cost[i] = costs.of(tree.nodes[slot]);
     leaves.count[i] = tree.nodes[slot].count;
   }
   return leaves;

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include <treelet/core/array.h>
+#include <treelet/optimize/pair_costs.h>
 #include <treelet/optimize/treelet_solver.h>
 #include <treelet/tree/binary_tree.h>
 
@@ -28,7 +28,6 @@ struct Treelet {
 /// are `size` leaves or all that are left are leaves of the tree [KarrasAila2013 s3.1].
 Treelet form_treelet(const BinaryTree& tree, std::uint32_t root, int size);
 
-TreeletLeaves gather_leaves(const BinaryTree& tree, const Array<float>& costs,
-                            const Treelet& treelet);
+TreeletLeaves gather_leaves(const BinaryTree& tree, const PairCosts& costs, const Treelet& treelet);
 
 }  // namespace treelet
