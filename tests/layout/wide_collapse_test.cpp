@@ -3,14 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <treelet/build/lbvh.h>
+#include <treelet/layout/pack_cwbvh.h>
+#include <treelet/layout/wide_collapse_lanes.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <string>
 #include <utility>
 
 #include "support/meshes.h"
+#include "support/random.h"
 #include "support/trees.h"
 
 namespace treelet {
@@ -37,7 +41,8 @@ class Oracle {
   double as_leaf(std::uint32_t slot) const {
     const BinaryNode& node = tree_.nodes[slot];
     if (node.count > model_.leaf_limit) return kInfinity;
-    return double(model_.block_cost) * half_area(node.box()) * ((node.count + 3) / 4);
+    const std::uint32_t blocks = (node.count + model_.block_size - 1) / model_.block_size;
+    return double(model_.block_cost) * half_area(node.box()) * blocks;
   }
 
   double as_node(std::uint32_t slot) {
@@ -62,12 +67,12 @@ class Oracle {
 };
 
 /// What the chosen children cost, all the way down.
-double cost_of_choices(const BinaryTree& tree, const Array<WideChoice>& choices, Oracle& oracle,
+double cost_of_choices(const BinaryTree& tree, const WideCollapse& collapse, Oracle& oracle,
                        const WideCostModel& model, std::uint32_t slot) {
-  if (choices[slot].decision.is_leaf) return oracle.as_leaf(slot);
+  if (collapse.decision(tree.nodes[slot]).is_leaf) return oracle.as_leaf(slot);
   double cost = double(model.node_cost) * half_area(tree.nodes[slot].box());
-  for (const std::uint32_t child : list_wide_children(tree, choices, slot)) {
-    cost += cost_of_choices(tree, choices, oracle, model, child);
+  for (const std::uint32_t child : list_wide_children(tree, collapse, slot)) {
+    cost += cost_of_choices(tree, collapse, oracle, model, child);
   }
   return cost;
 }
@@ -76,18 +81,55 @@ TEST(WideCollapse, FindsTheLeastCostOnHardMeshes) {
   for (const auto& [name, mesh] : test::hard_meshes()) {
     const References references = create_references(mesh.view());
     if (references.size() == 0) continue;
-    for (const std::uint32_t leaf_limit : {1u, 8u, 16u}) {
+    for (const WideCostModel& model :
+         {WideCostModel{.leaf_limit = 1}, WideCostModel{.leaf_limit = 8},
+          WideCostModel{.leaf_limit = 16}, CwbvhCostModel{}.checked()}) {
       for (const bool scrambled : {false, true}) {
-        SCOPED_TRACE(name + ", leaf limit " + std::to_string(leaf_limit));
-        const WideCostModel model{.leaf_limit = leaf_limit};
+        SCOPED_TRACE(name + ", leaf limit " + std::to_string(model.leaf_limit));
         const BinaryTree tree =
             scrambled ? test::random_tree(references, 3) : build_lbvh(references);
-        const Array<WideChoice> choices = collapse_wide(tree, references, model);
+        const WideCollapse collapse = collapse_wide(tree, references, model);
         Oracle oracle(tree, model);
         const double best = oracle.cost(kRoot, 1);
-        EXPECT_NEAR(double(choices[kRoot].cost(1)), best, 1e-5 * best);
-        EXPECT_NEAR(cost_of_choices(tree, choices, oracle, model, kRoot), best, 1e-5 * best);
+        EXPECT_NEAR(double(collapse.root_cost), best, 1e-5 * best);
+        EXPECT_NEAR(cost_of_choices(tree, collapse, oracle, model, kRoot), best, 1e-5 * best);
       }
+    }
+  }
+}
+
+/// Costs as a collapse could have found them: none falls as children are taken away; some are
+/// equal.
+WideChoice random_choice(test::Random& random) {
+  WideChoice choice = choose_leaf(random.uniform(0.5f, 1.5f), {});
+  for (int children = 2; children < WideChoice::kWidth; ++children) {
+    const float before = choice.cost(children - 1);
+    choice.set_cost(children, random.below(3) == 0 ? before : before * random.uniform(0.3f, 1.0f));
+  }
+  if (random.below(3) == 0) choice.set_cost(1, std::numeric_limits<float>::infinity());
+  return choice;
+}
+
+WideCosts side_by_side(const WideChoice& choice) {
+  WideCosts costs(0.0f);
+  for (int i = 0; i < 4; ++i) costs.few[i] = choice.cost(i + 1);
+  for (int i = 0; i < 3; ++i) costs.many[i] = choice.cost(i + 5);
+  return costs;
+}
+
+TEST(WideCollapse, ChoosesSideBySideAsOneByOne) {
+  test::Random random(2026);
+  for (int i = 0; i < 100'000; ++i) {
+    const WideChoice left = random_choice(random), right = random_choice(random);
+    const float half_area = random.uniform(0.1f, 4.0f);
+    const std::uint32_t count = 2 + std::uint32_t(random.below(19));
+    const WideChoice expected = choose_internal(half_area, count, left, right, {});
+    WideCosts costs;
+    const WideDecision decision =
+        choose_side_by_side(half_area, count, side_by_side(left), side_by_side(right), {}, costs);
+    ASSERT_EQ(std::memcmp(&decision, &expected.decision, sizeof(decision)), 0);
+    for (int children = 1; children < WideChoice::kWidth; ++children) {
+      ASSERT_EQ(costs[children], expected.cost(children)) << children << " children";
     }
   }
 }
@@ -96,13 +138,13 @@ TEST(WideCollapse, ChildrenAreAtMostEightAndPartitionTheSubtree) {
   const test::OwnedMesh mesh = test::triangle_soup(3000, 2);
   const References references = create_references(mesh.view());
   const BinaryTree tree = build_lbvh(references);
-  const Array<WideChoice> choices = collapse_wide(tree, references, {});
+  const WideCollapse collapse = collapse_wide(tree, references, {});
   std::size_t full = 0, nodes = 0;
   std::vector<std::uint32_t> stack{kRoot};
   while (!stack.empty()) {
     const std::uint32_t slot = stack.back();
     stack.pop_back();
-    const WideChildren children = list_wide_children(tree, choices, slot);
+    const WideChildren children = list_wide_children(tree, collapse, slot);
     ASSERT_GE(children.count, 2u);
     ASSERT_LE(children.count, 8u);
     ++nodes;
@@ -110,7 +152,7 @@ TEST(WideCollapse, ChildrenAreAtMostEightAndPartitionTheSubtree) {
     std::uint32_t references_below = 0;
     for (const std::uint32_t child : children) {
       references_below += tree.nodes[child].count;
-      if (!choices[child].decision.is_leaf) stack.push_back(child);
+      if (!collapse.decision(tree.nodes[child]).is_leaf) stack.push_back(child);
     }
     ASSERT_EQ(references_below, tree.nodes[slot].count);
   }

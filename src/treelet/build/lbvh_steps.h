@@ -81,6 +81,7 @@ struct KeyRange {
   int before, after;
 
   TREELET_HD bool is_root() const { return before < 0 && after < 0; }
+  TREELET_HD std::int64_t count() const { return last - first + 1; }
 
   /// A node is extended to where its keys share more [Apetrei2014 s3]. One side always shares more:
   /// the bit after the shared ones rises from 0 to 1 at both ends, and if it were the same bit, it

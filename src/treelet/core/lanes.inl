@@ -12,6 +12,9 @@
 #if !defined(__GNUC__)
 #error "treelet's kernels need the vector extensions of GCC or Clang (clang-cl on Windows)"
 #endif
+#if !defined(__clang__) && !defined(__AVX__)
+#pragma GCC diagnostic ignored "-Wpsabi"  // lanes wider than registers are passed inline only
+#endif
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -45,6 +48,13 @@ struct LanesType<16> {
 };
 template <int N>
 using Lanes = typename LanesType<N>::Type;
+using Doubles = double __attribute__((vector_size(32)));  // four
+
+/// What comparing lanes gives: integers of their size, all bits set where it holds.
+template <class L>
+using MaskOf = decltype(L{} < L{});
+template <int N>
+using IntLanes = MaskOf<Lanes<N>>;
 
 // Each is one instruction; of equal values the first operand wins, as in core/vec.h, and so does
 // the first where the second is NaN.
@@ -62,7 +72,7 @@ TREELET_INLINE L select_if_at_most(L x, L limit, L yes, L no) {
 }
 template <class L>
 TREELET_INLINE L broadcast(float x) {
-  return L{} + x;
+  return x - L{};  // nothing but x to a compiler, which must add a zero for -0
 }
 
 #if defined(__AVX512VL__)
@@ -107,6 +117,38 @@ TREELET_INLINE unsigned less_mask(L a, L b) {
   return mask;
 }
 
+template <class L>
+TREELET_INLINE L magnitude(L x) {
+  return (L)((MaskOf<L>)x & ~(MaskOf<L>)-L{});  // -0: the sign's bit
+}
+/// x or -x: where `by` has the sign's bit, the sign changes.
+template <class L>
+TREELET_INLINE L flip_sign(L x, L by) {
+  return (L)((MaskOf<L>)x ^ ((MaskOf<L>)by & (MaskOf<L>)-L{}));
+}
+
+/// Bit i: x[i] has other bits.
+template <class L>
+TREELET_INLINE unsigned differ_mask(L x, int bits) {
+  const L zero{}, one = broadcast<L>(1.0f);
+  return less_mask(zero, (MaskOf<L>)x != bits ? one : zero);
+}
+
+/// Bit i: the mask holds there.
+TREELET_INLINE unsigned sign_mask(MaskOf<Doubles> mask) {
+#if defined(__AVX__)
+  return unsigned(_mm256_movemask_pd((__m256d)mask));
+#else
+  unsigned bits = 0;
+  for (unsigned i = 0; i < 4; ++i) bits |= unsigned(mask[i] < 0) << i;
+  return bits;
+#endif
+}
+
+TREELET_INLINE const float* offset_by(const float* values, std::uint32_t bytes) {
+  return reinterpret_cast<const float*>(reinterpret_cast<const char*>(values) + bytes);
+}
+
 /// From and to memory aligned to the lanes.
 template <class L>
 TREELET_INLINE L load(const float* values) {
@@ -117,5 +159,31 @@ TREELET_INLINE void store(float* values, L lanes) {
   *reinterpret_cast<L*>(values) = lanes;
 }
 
+template <class L>
+TREELET_INLINE L load_unaligned(const float* values) {
+  L lanes;
+  __builtin_memcpy(&lanes, values, sizeof(L));
+  return lanes;
+}
+template <class L>
+TREELET_INLINE void store_unaligned(void* values, L lanes) {
+  __builtin_memcpy(values, &lanes, sizeof(L));
+}
+
+/// Half the lanes from each of two places, or all from the first for four lanes.
+template <class L>
+TREELET_INLINE L load_halves(const float* low, [[maybe_unused]] const float* high) {
+#if defined(__AVX__)
+  if constexpr (sizeof(L) == 32) {
+    return (L)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(low)), _mm_load_ps(high), 1);
+  }
+#endif
+  return load<L>(low);
+}
+
 }  // namespace
 }  // namespace treelet::TREELET_ISA
+
+#if defined(__AVX2__)
+#include <treelet/core/lanes_sort.inl>
+#endif

@@ -29,3 +29,10 @@
 #else
 #define TREELET_NOINLINE
 #endif
+
+/// Fetches the line at an address that will be read soon; the address need not be valid.
+#if defined(__GNUC__) && !defined(__CUDA_ARCH__)
+#define TREELET_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define TREELET_PREFETCH(address) ((void)(address))
+#endif

@@ -30,7 +30,12 @@ class LeafBoxes {
   Aabb box_of(std::uint32_t slot, std::span<const std::uint32_t> faces) const {
     Aabb box = Aabb::empty();
     for (const std::uint32_t face : faces) box = merge(box, bounds(mesh_.triangle(face)));
-    return has_pieces_ ? overlap(box, to_mesh_units(nodes_[slot].box(), scale_)) : box;
+    return within_tree(slot, box);
+  }
+
+  /// The same, from the box of the whole triangles.
+  Aabb within_tree(std::uint32_t slot, const Aabb& whole) const {
+    return has_pieces_ ? overlap(whole, to_mesh_units(nodes_[slot].box(), scale_)) : whole;
   }
 
  private:

@@ -88,23 +88,46 @@ double collapsed_sah_cost(const BinaryTree& tree, const References& references,
   return step.root_cost() / root_area;
 }
 
-std::span<const std::uint32_t> LeafFaces::collect(std::uint32_t root) {
-  faces_.clear();
+void LeafFaces::append_references(std::uint32_t root, std::vector<std::uint32_t>& references) {
   stack_.assign(1, root);
   while (!stack_.empty()) {
     const BinaryNode& node = nodes_[stack_.back()];
     stack_.pop_back();
-    if (!node.is_leaf()) {
+    if (node.is_leaf()) {
+      references.push_back(node.index);
+    } else if (node.count == 2) {  // most internal nodes: no need to come back for their children
+      references.push_back(nodes_[node.left()].index);
+      references.push_back(nodes_[node.right()].index);
+    } else {
       stack_.push_back(node.right());
       stack_.push_back(node.left());
-      continue;
     }
-    const std::uint32_t face = references_.items[node.index].face;
-    const bool is_repeated = references_.may_repeat_faces &&
-                             std::find(faces_.begin(), faces_.end(), face) != faces_.end();
-    if (!is_repeated) faces_.push_back(face);
   }
-  return faces_;
+}
+
+std::uint32_t LeafFaces::append(std::uint32_t root, std::vector<std::uint32_t>& faces) {
+  const std::size_t begin = faces.size();
+  append_references(root, faces);
+  std::size_t end = begin;
+  for (std::size_t i = begin; i < faces.size(); ++i) {
+    const std::uint32_t face = references_.face(faces[i]);
+    const auto first = faces.begin() + std::ptrdiff_t(begin),
+               last = faces.begin() + std::ptrdiff_t(end);
+    const bool is_repeated = references_.may_repeat_faces && std::find(first, last, face) != last;
+    if (!is_repeated) faces[end++] = face;
+  }
+  faces.resize(end);
+  return std::uint32_t(end - begin);
+}
+
+void look_up_faces(const References& references, std::span<std::uint32_t> numbers) {
+  if (references.are_all_faces()) return;
+  constexpr std::size_t kDistance = 16;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t ahead = std::min(i + kDistance, numbers.size() - 1);
+    if (ahead > i) TREELET_PREFETCH(&references.items[numbers[ahead]].face);
+    numbers[i] = references.items[numbers[i]].face;
+  }
 }
 
 }  // namespace treelet

@@ -35,12 +35,25 @@ class LeafFaces {
       : nodes_(tree.nodes), references_(references) {}
 
   /// Valid until the next call.
-  std::span<const std::uint32_t> collect(std::uint32_t root);
+  std::span<const std::uint32_t> collect(std::uint32_t root) {
+    faces_.clear();
+    append(root, faces_);
+    return faces_;
+  }
+
+  /// Puts them behind what is there; returns how many they are.
+  std::uint32_t append(std::uint32_t root, std::vector<std::uint32_t>& faces);
+
+  /// The same of references, for look_up_faces.
+  void append_references(std::uint32_t root, std::vector<std::uint32_t>& references);
 
  private:
   const Array<BinaryNode>& nodes_;
   const References& references_;
   std::vector<std::uint32_t> stack_, faces_;
 };
+
+/// Turns numbers of references into faces: many at once, as each may be a miss of the cache.
+void look_up_faces(const References& references, std::span<std::uint32_t> numbers);
 
 }  // namespace treelet

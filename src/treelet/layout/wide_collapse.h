@@ -6,14 +6,16 @@
 #include <treelet/core/array.h>
 #include <treelet/primitive/reference.h>
 #include <treelet/tree/binary_tree.h>
+#include <treelet/tree/sah.h>
 
 namespace treelet {
 
 /// What a wide layout pays, in visits of a node.
 struct WideCostModel {
   float node_cost = 1.0f;
-  float block_cost = 0.6f;       ///< of a block of four triangles, measured against a node
+  float block_cost = 0.6f;       ///< of a block of triangles, full or not, measured against a node
   std::uint32_t leaf_limit = 8;  ///< triangles in a leaf at most
+  std::uint32_t block_size = 4;  ///< triangles in a block
 };
 
 /// How a binary subtree is spread over the children of wide nodes, in one word.
@@ -51,11 +53,22 @@ struct WideChoice {
 };
 static_assert(sizeof(WideChoice) == 32);
 
+/// The decisions about all internal nodes of a binary tree.
+struct WideCollapse {
+  Array<WideDecision> by_pair;  ///< entry p is about the node whose children are slots 2p, 2p + 1
+  float root_cost = 0.0f;
+  double sah = 0.0;  ///< of the binary tree: collapsed_sah_cost (layout/leaf_collapse.h)
+
+  WideDecision decision(const BinaryNode& node) const {
+    return node.is_leaf() ? WideDecision::leaf() : by_pair[node.left() / 2];
+  }
+};
+
 /// The cheapest way to make eight-wide nodes of a binary tree, leaves included, by dynamic
-/// programming from the leaves up [YlitieKarrasLaine2017 s3.1]. By slot. Pieces of a face are one
-/// triangle of a leaf.
-Array<WideChoice> collapse_wide(const BinaryTree& tree, const References& references,
-                                const WideCostModel& model);
+/// programming from the leaves up [YlitieKarrasLaine2017 s3.1]. Pieces of a face are one triangle
+/// of a leaf. The walk also finds what the binary tree costs by another model.
+WideCollapse collapse_wide(const BinaryTree& tree, const References& references,
+                           const WideCostModel& model, const SahModel& sah = {});
 
 /// The children of one wide node, left to right.
 struct WideChildren {
@@ -68,7 +81,7 @@ struct WideChildren {
 
 /// What becomes the children of the wide node at `slot`. Where a leaf would be cheaper than a node,
 /// that leaf is the only child: a root has to be a node.
-WideChildren list_wide_children(const BinaryTree& tree, const Array<WideChoice>& choices,
+WideChildren list_wide_children(const BinaryTree& tree, const WideCollapse& collapse,
                                 std::uint32_t slot);
 
 }  // namespace treelet

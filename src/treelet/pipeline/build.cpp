@@ -3,13 +3,17 @@
 #include <array>
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
 #include <treelet/build/hploc.h>
 #include <treelet/build/lbvh.h>
+#include <treelet/build/sbvh.h>
 #include <treelet/build/sweep.h>
 #include <treelet/layout/leaf_collapse.h>
 #include <treelet/layout/pack_bvh2.h>
 #include <treelet/layout/pack_bvh8.h>
+#include <treelet/layout/pack_cwbvh.h>
+#include <treelet/optimize/reinsertion.h>
 #include <treelet/optimize/treelet.h>
 #include <treelet/primitive/split.h>
 #include <treelet/tree/validate.h>
@@ -17,19 +21,24 @@
 namespace treelet {
 namespace {
 
-using Builder = BinaryTree (*)(const References&, const RecipeStage&);
+// Some builders split references on the way.
+using Builder = BinaryTree (*)(References&, const Mesh&, const RecipeStage&);
 using Optimizer = void (*)(BinaryTree&, const SahModel&, const RecipeStage&);
 
-BinaryTree run_lbvh(const References& references, const RecipeStage&) {
+BinaryTree run_lbvh(References& references, const Mesh&, const RecipeStage&) {
   return build_lbvh(references);
 }
 
-BinaryTree run_hploc(const References& references, const RecipeStage& stage) {
+BinaryTree run_hploc(References& references, const Mesh&, const RecipeStage& stage) {
   return build_hploc(references, {.radius = int(stage.value("radius"))});
 }
 
-BinaryTree run_sweep(const References& references, const RecipeStage&) {
+BinaryTree run_sweep(References& references, const Mesh&, const RecipeStage&) {
   return build_sweep(references);
+}
+
+BinaryTree run_sbvh(References& references, const Mesh& mesh, const RecipeStage& stage) {
+  return build_sbvh(references, mesh, {.budget = float(stage.value("budget"))});
 }
 
 void run_treelet(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
@@ -39,22 +48,47 @@ void run_treelet(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage
   restructure_treelets(tree, sah, config);
 }
 
-/// What a packer reads.
-struct PackInput {
-  const BinaryTree& tree;
-  const References& references;
-  const Mesh& mesh;
-};
-using Layout = decltype(Bvh::layout);
-using Packer = Layout (*)(const PackInput&, const SahModel&, const RecipeStage&);
-
-Layout run_bvh2(const PackInput& input, const SahModel& sah, const RecipeStage&) {
-  return pack_bvh2(input.tree, input.references, input.mesh, sah);
+void run_reinsert(BinaryTree& tree, const SahModel&, const RecipeStage& stage) {
+  reinsert_nodes(tree,
+                 {.percent = float(stage.value("percent")), .rounds = int(stage.value("rounds"))});
 }
 
-Layout run_bvh8(const PackInput& input, const SahModel&, const RecipeStage& stage) {
+/// A tree and what it was built over. A packer takes both, and lets go of them when it can.
+struct Built {
+  References references;
+  BinaryTree tree;
+};
+
+using Layout = decltype(Bvh::layout);
+struct Packed {
+  Layout layout;
+  double sah;  ///< of the binary tree
+};
+using Packer = Packed (*)(Built, const Mesh&, const SahModel&, const RecipeStage&);
+
+Packed run_bvh2(Built built, const Mesh& mesh, const SahModel& sah, const RecipeStage&) {
+  return {pack_bvh2(built.tree, built.references, mesh, sah),
+          collapsed_sah_cost(built.tree, built.references, sah)};
+}
+
+Packed run_bvh8(Built built, const Mesh& mesh, const SahModel& sah, const RecipeStage& stage) {
   const WideCostModel model{.leaf_limit = std::uint32_t(stage.value("leaf"))};
-  return pack_bvh8(input.tree, input.references, input.mesh, model);
+  check_bvh8_model(model);
+  WideCollapse collapse = collapse_wide(built.tree, built.references, model, sah);
+  const Bvh8Plan plan = plan_bvh8(built.tree, built.references, collapse);
+  const double cost = collapse.sah;
+  // In this order: an arena would lend the layout the larger blocks of what is let go.
+  Bvh8 bvh = allocate_bvh8(plan);
+  built = {};
+  collapse = {};
+  write_bvh8(plan, mesh, bvh);
+  return {std::move(bvh), cost};
+}
+
+Packed run_cwbvh(Built built, const Mesh& mesh, const SahModel& sah, const RecipeStage& stage) {
+  const CwbvhCostModel model{.leaf_limit = std::uint32_t(stage.value("leaf"))};
+  return {pack_cwbvh(built.tree, built.references, mesh, model),
+          collapsed_sah_cost(built.tree, built.references, sah)};
 }
 
 template <class Function>
@@ -63,10 +97,12 @@ struct Entry {
   Function run;
 };
 
-constexpr std::array<Entry<Builder>, 3> kBuilders{
-    {{"lbvh", run_lbvh}, {"hploc", run_hploc}, {"sweep", run_sweep}}};
-constexpr std::array<Entry<Optimizer>, 1> kOptimizers{{{"treelet", run_treelet}}};
-constexpr std::array<Entry<Packer>, 2> kPackers{{{"bvh2", run_bvh2}, {"bvh8", run_bvh8}}};
+constexpr std::array<Entry<Builder>, 4> kBuilders{
+    {{"lbvh", run_lbvh}, {"hploc", run_hploc}, {"sweep", run_sweep}, {"sbvh", run_sbvh}}};
+constexpr std::array<Entry<Optimizer>, 2> kOptimizers{
+    {{"treelet", run_treelet}, {"reinsert", run_reinsert}}};
+constexpr std::array<Entry<Packer>, 3> kPackers{
+    {{"bvh2", run_bvh2}, {"bvh8", run_bvh8}, {"cwbvh", run_cwbvh}}};
 
 template <class Table>
 auto find_function(const Table& table, std::string_view word) {
@@ -95,24 +131,23 @@ class Pipeline {
     Bvh bvh;
     bvh.sah.leaf_limit = std::uint32_t(recipe_.layout.value("leaf"));
     check_indices(mesh_);
-    const References references = make_references();
-    const BinaryTree tree = build_tree(references, bvh.sah);
+    Built built = build_tree(bvh.sah);
+    bvh.report = {.recipe = recipe_.text(),
+                  .faces = mesh_.faces.size(),
+                  .references = built.references.size(),
+                  .left_out_non_finite = built.references.left_out_non_finite,
+                  .left_out_degenerate = built.references.left_out_degenerate};
     const std::string_view layout = recipe_.layout.word->name;
-    bvh.layout =
-        find_function(kPackers, layout)({tree, references, mesh_}, bvh.sah, recipe_.layout);
+    Packed packed =
+        find_function(kPackers, layout)(std::move(built), mesh_, bvh.sah, recipe_.layout);
+    bvh.layout = std::move(packed.layout);
+    bvh.report.sah = packed.sah;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    bvh.report.seconds = elapsed.count();
+    bvh.report.stages = recorder.stages();
+    bvh.report.tree =
+        std::visit([&](const auto& tree) { return compute_statistics(tree, bvh.sah); }, bvh.layout);
     if (options_.validate) require_sound(layout, bvh.validate(mesh_));
-    bvh.report = {
-        .recipe = recipe_.text(),
-        .stages = recorder.stages(),
-        .seconds = elapsed.count(),
-        .faces = mesh_.faces.size(),
-        .references = references.size(),
-        .left_out_non_finite = references.left_out_non_finite,
-        .left_out_degenerate = references.left_out_degenerate,
-        .sah = collapsed_sah_cost(tree, references, bvh.sah),
-        .tree = std::visit([&](const auto& packed) { return compute_statistics(packed, bvh.sah); },
-                           bvh.layout)};
     return bvh;
   }
 
@@ -126,19 +161,20 @@ class Pipeline {
     return references;
   }
 
-  BinaryTree build_tree(const References& references, const SahModel& sah) const {
+  Built build_tree(const SahModel& sah) const {
+    Built built{make_references(), {}};
     const std::string_view builder = recipe_.builder.word->name;
-    BinaryTree tree = find_function(kBuilders, builder)(references, recipe_.builder);
-    check(builder, tree, references);
+    built.tree = find_function(kBuilders, builder)(built.references, mesh_, recipe_.builder);
+    check(builder, built);
     for (const RecipeStage& stage : recipe_.optimizers) {
-      find_function(kOptimizers, stage.word->name)(tree, sah, stage);
-      check(stage.word->name, tree, references);
+      find_function(kOptimizers, stage.word->name)(built.tree, sah, stage);
+      check(stage.word->name, built);
     }
-    return tree;
+    return built;
   }
 
-  void check(std::string_view stage, const BinaryTree& tree, const References& references) const {
-    if (options_.validate) require_sound(stage, validate(tree, references));
+  void check(std::string_view stage, const Built& built) const {
+    if (options_.validate) require_sound(stage, validate(built.tree, built.references));
   }
 
   const Mesh& mesh_;

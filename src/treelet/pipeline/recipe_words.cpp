@@ -3,7 +3,10 @@
 #include <array>
 
 #include <treelet/build/hploc.h>
+#include <treelet/build/sbvh.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
+#include <treelet/optimize/reinsertion.h>
 #include <treelet/optimize/subset_tables.h>
 
 namespace treelet {
@@ -16,6 +19,15 @@ constexpr std::array<WordParameter, 1> kPresplitParameters{{
 constexpr std::array<WordParameter, 1> kHplocParameters{{
     {"radius", HplocConfig{}.radius, kMinHplocRadius, kMaxHplocRadius,
      "clusters on either side among which the nearest is looked for"},
+}};
+
+constexpr std::array<WordParameter, 1> kSbvhParameters{{
+    {"budget", SbvhConfig{}.budget, 0, 300, "references added at most, in percent of the others"},
+}};
+
+constexpr std::array<WordParameter, 2> kReinsertParameters{{
+    {"percent", ReinsertionConfig{}.percent, 0, 100, "of all nodes, the largest, are looked at"},
+    {"rounds", ReinsertionConfig{}.rounds, 0, 16, "passes over the tree"},
 }};
 
 constexpr std::array<WordParameter, 3> kTreeletParameters{{
@@ -34,7 +46,11 @@ constexpr std::array<WordParameter, 1> kBvh8Parameters{{
      "triangles in a leaf at most"},
 }};
 
-constexpr std::array<RecipeWord, 7> kWords{{
+constexpr std::array<WordParameter, 1> kCwbvhParameters{{
+    {"leaf", CwbvhNode::kMaxLeaf, 1, CwbvhNode::kMaxLeaf, "triangles in a leaf at most"},
+}};
+
+constexpr std::array<RecipeWord, 10> kWords{{
     {"presplit", WordKind::splitter,
      "splits triangles that fill little of their boxes (Karras and Aila 2013)",
      kPresplitParameters},
@@ -42,17 +58,26 @@ constexpr std::array<RecipeWord, 7> kWords{{
     {"hploc", WordKind::builder, "clustering of neighbours in Morton order (Benthin et al. 2024)",
      kHplocParameters},
     {"sweep", WordKind::builder, "top-down full-sweep SAH: slow, the quality reference", {}},
+    {"sbvh", WordKind::builder,
+     "top-down with spatial splits (Stich et al. 2009): slow, long triangles gain",
+     kSbvhParameters},
     {"treelet", WordKind::optimizer, "optimal restructuring of treelets (Karras and Aila 2013)",
      kTreeletParameters},
+    {"reinsert", WordKind::optimizer, "large nodes to better places (Meister and Bittner 2018)",
+     kReinsertParameters},
     {"bvh2", WordKind::layout, "binary nodes with both children's boxes, leaves by SAH",
      kBvh2Parameters},
     {"bvh8", WordKind::layout, "nodes of eight children for SIMD, blocks of four triangles",
      kBvh8Parameters},
+    {"cwbvh", WordKind::layout,
+     "eight children in 80 bytes, for CUDA (Ylitie, Karras and Laine 2017)", kCwbvhParameters},
 }};
 
-constexpr std::array<Preset, 2> kPresets{{
+constexpr std::array<Preset, 3> kPresets{{
     {"fast", "lbvh > bvh8", "quickest build: for a few million rays a frame"},
     {"balanced", "lbvh > treelet > bvh8", "near-best tree for a little more time: the default"},
+    {"best", "sbvh(budget=50) > treelet(rounds=2, gamma=14) > reinsert > bvh8",
+     "least work a ray, on the CPU alone: for billions of rays, and for long thin triangles"},
 }};
 
 }  // namespace

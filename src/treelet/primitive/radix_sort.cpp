@@ -19,6 +19,7 @@ constexpr int kMsdBits = 11;
 constexpr std::size_t kMsdBuckets = std::size_t{1} << kMsdBits;
 constexpr int kLsdBits = 8;
 constexpr std::size_t kLsdBuckets = std::size_t{1} << kLsdBits;
+constexpr int kLsdDigits = 3;
 
 constexpr std::size_t kGrain = 1 << 16;             // entries of one histogram of the parallel pass
 constexpr std::size_t kCacheEntries = 1 << 15;      // 512 KiB: entries and their copy in half an L2
@@ -47,12 +48,25 @@ void scatter_by_digit(Entries from, Entries to, int shift) {
   for (const SortEntry& entry : from) to[position[digit(entry.key, shift, kLsdBuckets)]++] = entry;
 }
 
+/// Sorts runs of entries whose keys agree above `shift`.
+void sort_ties(Entries data, int shift) {
+  for (std::size_t begin = 0; begin + 1 < data.size();) {
+    std::size_t end = begin + 1;
+    while (end < data.size() && data[end].key >> shift == data[begin].key >> shift) ++end;
+    if (end - begin > 1) sort_by_comparison(data.subspan(begin, end - begin));
+    begin = end;
+  }
+}
+
+/// Least significant digit first over the upper bits, which tell nearly all of so few keys apart.
 void sort_in_cache(Entries data, Entries scratch, int key_bits) {
+  const int first_shift = std::max(key_bits - kLsdDigits * kLsdBits, 0);
   Entries from = data, to = scratch;
-  for (int shift = 0; shift < key_bits; shift += kLsdBits) {
+  for (int shift = first_shift; shift < key_bits; shift += kLsdBits) {
     scatter_by_digit(from, to, shift);
     std::swap(from, to);
   }
+  if (first_shift > 0) sort_ties(from, first_shift);
   if (from.data() != data.data()) std::copy(from.begin(), from.end(), data.begin());
 }
 

@@ -1,6 +1,8 @@
 #include <treelet/primitive/reference.h>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <treelet/core/parallel.h>
@@ -20,54 +22,90 @@ struct Summary {
   std::size_t& operator[](TriangleKind kind) { return count[std::size_t(kind)]; }
 };
 
-Summary summarize(const Mesh& mesh, std::size_t begin, std::size_t end) {
+/// The scale of the box of all vertices: nearly always that of the regular triangles, whose box is
+/// known only when they have been gone through.
+int guess_scale_exponent(const Mesh& mesh) {
+  const Aabb box = parallel_reduce(
+      mesh.vertices.size(), kGrain, Aabb::empty(),
+      [&](std::size_t begin, std::size_t end) {
+        Aabb range = Aabb::empty();
+        for (const Vec3 vertex : mesh.vertices.subspan(begin, end - begin)) {
+          if (is_finite(vertex)) range = merge(range, vertex);
+        }
+        return range;
+      },
+      [](const Aabb& a, const Aabb& b) { return merge(a, b); });
+  return extent_exponent(box);
+}
+
+/// Writes the references of a range of faces, one behind the other.
+Summary write_range(const Mesh& mesh, std::size_t begin, std::size_t end,
+                    const PowerOfTwoScale& scale, Reference* out) {
   Summary summary;
   for (std::size_t i = begin; i < end; ++i) {
     const Triangle triangle = mesh.triangle(i);
     const TriangleKind kind = classify(triangle);
     ++summary[kind];
-    if (kind == TriangleKind::regular) summary.bounds = merge(summary.bounds, bounds(triangle));
+    if (kind != TriangleKind::regular) continue;
+    summary.bounds = merge(summary.bounds, bounds(triangle));
+    *out++ = make_reference(triangle, std::uint32_t(i), scale);
   }
   return summary;
 }
 
-void fill_range(const Mesh& mesh, std::size_t begin, std::size_t end, const PowerOfTwoScale& scale,
-                Reference* out) {
-  for (std::size_t i = begin; i < end; ++i) {
-    const Triangle triangle = mesh.triangle(i);
-    if (classify(triangle) != TriangleKind::regular) continue;
-    *out++ = make_reference(triangle, std::uint32_t(i), scale);
+/// References by ranges of faces, each in the place that its faces would fill if all were regular.
+struct Ranges {
+  Array<Reference> items;
+  std::vector<Summary> summaries;
+
+  Ranges(const Mesh& mesh, int scale_exponent)
+      : items(mesh.faces.size()), summaries((items.size() + kGrain - 1) / kGrain) {
+    const PowerOfTwoScale scale(scale_exponent);
+    parallel_for_ranges(items.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      summaries[begin / kGrain] = write_range(mesh, begin, end, scale, &items[begin]);
+    });
   }
-}
+
+  Aabb bounds() const {
+    Aabb all = Aabb::empty();
+    for (const Summary& summary : summaries) all = merge(all, summary.bounds);
+    return all;
+  }
+
+  std::size_t count(TriangleKind kind) const {
+    std::size_t all = 0;
+    for (Summary summary : summaries) all += summary[kind];
+    return all;
+  }
+
+  /// Without the gaps that triangles left out have made.
+  Array<Reference> close_gaps() {
+    const std::size_t total = count(TriangleKind::regular);
+    if (total == items.size()) return std::move(items);
+    Array<Reference> closed(total);
+    Reference* out = closed.begin();
+    for (std::size_t range = 0; range < summaries.size(); ++range) {
+      out = std::copy_n(&items[range * kGrain], summaries[range][TriangleKind::regular], out);
+    }
+    return closed;
+  }
+};
 
 }  // namespace
 
 References create_references(const Mesh& mesh) {
   const Stage stage{"create references"};
-  const std::size_t count = mesh.faces.size();
-  std::vector<Summary> summaries((count + kGrain - 1) / kGrain);
-  parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    summaries[begin / kGrain] = summarize(mesh, begin, end);
-  });
-
+  const int guess = guess_scale_exponent(mesh);
+  Ranges ranges(mesh, guess);
   References references;
-  std::vector<std::size_t> offsets;
-  std::size_t total = 0;
-  for (Summary& summary : summaries) {
-    offsets.push_back(total);
-    total += summary[TriangleKind::regular];
-    references.left_out_non_finite += summary[TriangleKind::non_finite];
-    references.left_out_degenerate += summary[TriangleKind::degenerate];
-    references.bounds = merge(references.bounds, summary.bounds);
-  }
-
+  references.bounds = ranges.bounds();
   references.scale_exponent = extent_exponent(references.bounds);
+  if (references.scale_exponent != guess) ranges = Ranges(mesh, references.scale_exponent);
+  references.left_out_non_finite = ranges.count(TriangleKind::non_finite);
+  references.left_out_degenerate = ranges.count(TriangleKind::degenerate);
+  references.items = ranges.close_gaps();
   const PowerOfTwoScale scale(references.scale_exponent);
-  if (total > 0) references.bounds = scale(references.bounds);
-  references.items = Array<Reference>(total);
-  parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    fill_range(mesh, begin, end, scale, references.items.data() + offsets[begin / kGrain]);
-  });
+  if (references.size() > 0) references.bounds = scale(references.bounds);
   return references;
 }
 

@@ -33,6 +33,13 @@ struct References {
   std::size_t left_out_degenerate = 0;
 
   std::size_t size() const { return items.size(); }
+  /// Whether each reference has the number of its face: none was left out, none was split.
+  bool are_all_faces() const {
+    return !may_repeat_faces && left_out_non_finite == 0 && left_out_degenerate == 0;
+  }
+  std::uint32_t face(std::uint32_t reference) const {
+    return are_all_faces() ? reference : items[reference].face;
+  }
 };
 
 /// One reference for each regular triangle of a mesh whose indices have been checked.

@@ -1,8 +1,5 @@
 #include <treelet/tree/bottom_up.h>
 
-#include <algorithm>
-#include <numeric>
-
 namespace treelet {
 namespace {
 
@@ -32,35 +29,38 @@ TreeCut cut_tree(const BinaryTree& tree) {
   return cut;
 }
 
-void list_internal_nodes(const BinaryTree& tree, std::uint32_t root, std::uint32_t min_count,
-                         std::vector<std::uint32_t>& nodes) {
-  walk_depth_first(tree, root, [&](std::uint32_t slot) {
-    const BinaryNode& node = tree.nodes[slot];
-    if (node.is_leaf() || node.count < min_count) return false;
-    nodes.push_back(slot);
-    return true;
-  });
+std::vector<std::uint32_t> list_crown(const BinaryTree& tree) {
+  std::vector<std::uint32_t> crown;
+  if (tree.empty()) return crown;
+  crown.push_back(kRoot);
+  for (std::size_t i = 0; i < crown.size(); ++i) {
+    const BinaryNode& node = tree.nodes[crown[i]];
+    if (node.count <= kSubtreeReferences) continue;
+    crown.push_back(node.left());
+    crown.push_back(node.right());
+  }
+  return crown;
 }
 
-LevelOrder order_by_level(const BinaryTree& tree, std::uint32_t min_count,
-                          std::span<const std::uint32_t> nodes, Array<std::uint32_t>& levels) {
-  const auto level_of_child = [&](std::uint32_t slot) {
+void list_internal_nodes(const BinaryTree& tree, std::uint32_t root, std::uint32_t min_count,
+                         std::vector<std::uint32_t>& nodes) {
+  std::size_t next = nodes.size(), end = next;
+  nodes.resize(end + tree.nodes[root].count);  // one more than there can be
+  // Without a branch on what no processor could predict: what is not wanted is written over.
+  const auto add = [&](std::uint32_t slot) {
     const BinaryNode& node = tree.nodes[slot];
-    return node.is_leaf() || node.count < min_count ? 0 : levels[slot];
+    const bool is_wanted = !node.is_leaf() && node.count >= min_count;
+    TREELET_PREFETCH(is_wanted ? &tree.nodes[node.left()] : &node);
+    nodes[end] = slot;
+    end += is_wanted;
   };
-  LevelOrder order;
-  for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
-    const BinaryNode& parent = tree.nodes[*node];
-    const std::uint32_t level =
-        std::max(level_of_child(parent.left()), level_of_child(parent.right())) + 1;
-    levels[*node] = level;
-    if (order.ends.size() < level) order.ends.resize(level);
-    ++order.ends[level - 1];
+  add(root);
+  for (; next < end; ++next) {
+    const BinaryNode& node = tree.nodes[nodes[next]];
+    add(node.left());
+    add(node.right());
   }
-  std::exclusive_scan(order.ends.begin(), order.ends.end(), order.ends.begin(), std::size_t{0});
-  order.nodes.resize(nodes.size());
-  for (const std::uint32_t slot : nodes) order.nodes[order.ends[levels[slot] - 1]++] = slot;
-  return order;
+  nodes.resize(end);
 }
 
 }  // namespace treelet

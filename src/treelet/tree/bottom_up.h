@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <treelet/core/parallel.h>
+#include <treelet/core/platform.h>
 #include <treelet/tree/binary_tree.h>
 
 namespace treelet {
@@ -24,27 +25,77 @@ constexpr std::uint32_t kAllInternal = 2;
 /// Reads only the counts.
 TreeCut cut_tree(const BinaryTree& tree);
 
-/// Internal nodes of the subtree at `root` with at least min_count references, parents first.
+/// Nodes above the cut and the roots of the subtrees below it, breadth first: the children of the
+/// k-th node above the cut are numbers 2k + 1 and 2k + 2.
+std::vector<std::uint32_t> list_crown(const BinaryTree& tree);
+
+/// Numbers of a crown that are one task.
+constexpr std::size_t kCrownGrain = 4;
+
+/// Internal nodes of the subtree at `root` with at least min_count references, breadth first: the
+/// lines of a level are fetched while the one above is listed, where a walk in depth would wait for
+/// each.
 void list_internal_nodes(const BinaryTree& tree, std::uint32_t root, std::uint32_t min_count,
                          std::vector<std::uint32_t>& nodes);
 
-/// A list of internal nodes by level: those of level k are [ends[k - 1], ends[k]) of nodes. No node
-/// of a level is below another of the same level.
-struct LevelOrder {
-  std::vector<std::uint32_t> nodes;
-  std::vector<std::size_t> ends;
+/// What a subtree is worth, from the bottom up: leaf(slot) gives the value of a leaf, and
+/// may be asked about other nodes in vain; join(slot, left, right) gives that of an internal node.
+/// Values need no array by slot: breadth-first order, read backwards, meets children in the order
+/// of their parents.
+template <class T>
+class SubtreeFold {
+ public:
+  template <class Leaf, class Join>
+  T run(const BinaryTree& tree, std::uint32_t root, Leaf&& leaf, Join&& join) {
+    nodes_.clear();
+    list_internal_nodes(tree, root, kAllInternal, nodes_);
+    if (nodes_.empty()) return leaf(root);
+    values_.resize(nodes_.size());
+    const T* next = values_.data() + values_.size();
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+      const BinaryNode& node = tree.nodes[nodes_[i]];
+      const T leaves[2] = {leaf(node.left()), leaf(node.right())};
+      const T* const right = tree.nodes[node.right()].is_leaf() ? &leaves[1] : --next;
+      const T* const left = tree.nodes[node.left()].is_leaf() ? &leaves[0] : --next;
+      values_[i] = join(nodes_[i], *left, *right);
+    }
+    return values_[0];
+  }
+
+ private:
+  std::vector<std::uint32_t> nodes_;
+  std::vector<T> values_;
 };
 
-/// Puts nodes into levels: a node's level is one above its children's. `nodes` are all nodes of at
-/// least min_count references in one part of the tree, parents first; levels holds scratch by slot.
-LevelOrder order_by_level(const BinaryTree& tree, std::uint32_t min_count,
-                          std::span<const std::uint32_t> nodes, Array<std::uint32_t>& levels);
+/// The same of a whole tree, a subtree a task. The value of a tree without nodes is T().
+template <class T, class Leaf, class Join>
+T fold_bottom_up(const BinaryTree& tree, Leaf&& leaf, Join&& join) {
+  if (tree.empty()) return T();
+  const std::vector<std::uint32_t> crown = list_crown(tree);
+  std::vector<T> values(crown.size());
+  const auto is_top = [&](std::size_t i) {
+    return tree.nodes[crown[i]].count > kSubtreeReferences;
+  };
+  parallel_for_ranges(crown.size(), kCrownGrain, [&](std::size_t begin, std::size_t end) {
+    SubtreeFold<T> fold;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!is_top(i)) values[i] = fold.run(tree, crown[i], leaf, join);
+    }
+  });
+  std::size_t next = crown.size();
+  for (std::size_t i = crown.size(); i-- > 0;) {
+    if (!is_top(i)) continue;
+    next -= 2;
+    values[i] = join(crown[i], values[next], values[next + 1]);
+  }
+  return values[0];
+}
 
 /// Calls visit(slot) for each internal node of at least min_count references, after its children.
 /// Nodes of different subtrees are visited at the same time. The visitor may rearrange the nodes
 /// below its own slot: all that is still to be visited lies elsewhere or above.
-/// Differs from [Karras2012 s4]: a subtree a task instead of a thread a leaf and atomic counters.
-/// The order within a subtree is the same post-order, and no parent links are needed.
+/// Differs from [Karras2012 s4]: a subtree a task instead of a thread a leaf and atomic counters,
+/// so that no parent links are needed.
 template <class Visit>
 void visit_bottom_up(const BinaryTree& tree, std::uint32_t min_count, Visit&& visit) {
   const TreeCut cut = cut_tree(tree);
@@ -55,16 +106,6 @@ void visit_bottom_up(const BinaryTree& tree, std::uint32_t min_count, Visit&& vi
   });
   for (auto node = cut.top.rbegin(); node != cut.top.rend(); ++node) {
     if (tree.nodes[*node].count >= min_count) visit(*node);
-  }
-}
-
-/// Calls visit(slots) for each level of nodes, lower ones first.
-template <class Visit>
-void visit_levels(const LevelOrder& order, Visit&& visit) {
-  std::size_t begin = 0;
-  for (const std::size_t end : order.ends) {
-    visit(std::span(order.nodes).subspan(begin, end - begin));
-    begin = end;
   }
 }
 

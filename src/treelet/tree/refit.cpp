@@ -40,8 +40,15 @@ Array<float> compute_costs(const BinaryTree& tree, const SahModel& sah) {
 
 double sah_cost(const BinaryTree& tree, const SahModel& sah) {
   if (tree.empty()) return 0.0;
-  const double root_area = half_area(tree.nodes[kRoot].box());
-  return root_area > 0.0 ? compute_costs(tree, sah)[kRoot] / root_area : 0.0;
+  const auto area_of = [&](std::uint32_t slot) { return half_area(tree.nodes[slot].box()); };
+  const double root_area = area_of(kRoot);
+  if (!(root_area > 0.0)) return 0.0;
+  const float cost = fold_bottom_up<float>(
+      tree, [&](std::uint32_t slot) { return sah.leaf_cost(area_of(slot), 1); },
+      [&](std::uint32_t slot, float left, float right) {
+        return sah.subtree_cost(area_of(slot), left + right, tree.nodes[slot].count);
+      });
+  return cost / root_area;
 }
 
 }  // namespace treelet
