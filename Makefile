@@ -33,11 +33,11 @@ EXTENSION_INPUTS := CMakeLists.txt $(wildcard cmake/*) \
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cpp test-python test-cuda lint format bench sanitize cuda gpu install clean
+.PHONY: help demo test test-cpp test-python test-cuda lint format bench bench-peers sanitize cuda gpu install clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo "  Variables: PYTHON=python3.12  JOBS=2  MESH=path.ply (demo)  ARGS=... (demo, bench, gpu, test-python)"
+	@echo "  Variables: PYTHON=python3.12  JOBS=2  MESH=path.ply (demo)  ARGS=... (demo, bench, bench-peers, gpu, test-python)"
 
 demo: $(STAMPS)/package ## Build trees of a scene (or MESH=path.ply), trace, plot: results in out/
 	$(BIN)/treelet demo $(if $(MESH),"$(MESH)") $(ARGS)
@@ -57,7 +57,8 @@ test-cuda: $(STAMPS)/package
 	@cmake --preset release --log-level=WARNING > /dev/null  # again: it may find nanobind now
 	cmake --build --preset release --target treelet_emulated_python
 	$(BIN)/python tests/python/run_emulated.py build/release/emulated \
-	  tests/python/test_cuda_arrays.py tests/python/test_cuda_streams.py
+	  tests/python/test_cuda_arrays.py tests/python/test_cuda_bench.py tests/python/test_cuda_host_rays.py \
+	  tests/python/test_cuda_streams.py tests/python/test_render_cuda.py tests/python/test_cli_cuda.py
 
 lint: $(STAMPS)/lint ## Check formatting, style, layering and sizes
 	$(BIN)/ruff check $(PYTHON_DIRS)
@@ -74,6 +75,11 @@ format: $(STAMPS)/lint ## Rewrite the sources in the project's format
 
 bench: $(STAMPS)/package ## Measure this machine
 	$(BIN)/treelet bench $(ARGS)
+
+bench-peers: $(STAMPS)/package ## Race Embree (4, or the one in the embreex package): lines in out/peers
+	@$(call configured,peers)
+	cmake --build --preset peers
+	$(BIN)/python bench/peers/run.py --harness build/peers/bench/peers/treelet_peers $(ARGS)
 
 sanitize: $(STAMPS)/native ## Run the C++ tests, without the slow ones, under the sanitizers
 	@$(call configured,asan)

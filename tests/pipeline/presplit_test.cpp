@@ -23,8 +23,8 @@
 namespace treelet {
 namespace {
 
-const std::vector<std::string> kLayouts{"bvh2", "bvh2(leaf=1)", "bvh8", "bvh8(leaf=1)",
-                                        "bvh8(leaf=16)"};
+const std::vector<std::string> kLayouts{
+    "bvh2", "bvh2(leaf=1)", "bvh8", "bvh8(leaf=1)", "bvh8(leaf=16)", "cwbvh", "cwbvh(leaf=1)"};
 
 void expect_hits(const Bvh& bvh, const Mesh& mesh, const std::vector<Ray>& rays,
                  const std::string& name) {

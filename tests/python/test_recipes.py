@@ -103,7 +103,7 @@ def test_a_recipe_must_be_text(bad):
 
 
 def test_presets_are_recipes():
-    assert list(treelet.presets())[:2] == ["fast", "balanced"]
+    assert list(treelet.presets())[:3] == ["fast", "balanced", "best"]
     for name, recipe in treelet.presets().items():
         assert treelet.parse_recipe(name) == treelet.parse_recipe(recipe)
 
@@ -115,7 +115,7 @@ def test_words_describe_themselves():
         "lbvh": "builder",
         "sweep": "builder",
         "treelet": "optimizer",
-    } | dict.fromkeys(["bvh2", "bvh8"], "layout")
+    } | dict.fromkeys(["bvh2", "bvh8", "cwbvh"], "layout")
     assert kinds.items() <= {name: word.kind for name, word in words.items()}.items()
     assert all(len(word.summary) > 20 for word in words.values())
     size = words["treelet"].parameters[0]

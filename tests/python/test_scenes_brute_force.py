@@ -12,6 +12,7 @@ from treelet import scenes
 RECIPES = [
     "fast",
     "balanced",
+    "best",
     "sweep",
     *(f"lbvh > treelet(size={size}, rounds=2)" for size in (4, 5, 6, 8)),
     "sweep > treelet > bvh2(leaf=4)",
@@ -21,6 +22,8 @@ RECIPES = [
     "sweep > treelet > bvh8(leaf=16)",
     "presplit(budget=100) > lbvh > treelet > bvh8",
     "presplit > sweep > bvh2",
+    "presplit > sbvh > reinsert > bvh2",
+    "hploc > reinsert(percent=50, rounds=3) > cwbvh",
 ]
 RAYS = 600
 TRIANGLES = dict(zip(scenes.names(), (1000, 1500, 2000, 2500, 3000, 3500, 4000, 5000), strict=True))

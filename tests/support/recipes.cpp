@@ -35,8 +35,8 @@ std::vector<std::string> layouts() {
 std::vector<std::string> every_recipe() {
   std::vector<std::string> recipes;
   for (const std::string& builder : words_of(WordKind::builder)) {
-    for (const std::string& layout : layouts()) {
-      recipes.push_back(builder + " > " + layout);
+    for (const std::string& layout : layouts()) recipes.push_back(builder + " > " + layout);
+    for (const std::string& layout : words_of(WordKind::layout)) {
       for (const std::string& optimizer : words_of(WordKind::optimizer)) {
         const std::string optimized = builder + " > " + optimizer + " > " + layout;
         recipes.push_back(optimized);

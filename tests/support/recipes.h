@@ -5,8 +5,8 @@
 
 namespace treelet::test {
 
-/// Each builder with each layout, bare, with each optimizer, and with an optimizer and each
-/// splitter, at the defaults and at the ends of the layout's parameters.
+/// Each builder with each layout, bare at the defaults and at the ends of the layout's parameters,
+/// with each optimizer, and with an optimizer and each splitter.
 std::vector<std::string> every_recipe();
 
 }  // namespace treelet::test
