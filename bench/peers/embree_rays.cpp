@@ -8,7 +8,7 @@
 namespace treelet::peers {
 namespace {
 
-constexpr std::size_t kRaysPerTask = 512;  // as query/intersect.cpp
+constexpr std::size_t kRaysPerTask = 1024;  // as query/intersect.cpp
 constexpr std::size_t kPacket = 16;
 static_assert(kRaysPerTask % kPacket == 0, "packets do not reach into the next task");
 

@@ -3,6 +3,8 @@
 // function of another header unless that is TREELET_INLINE: the linker merges others by name, and
 // would be free to keep the copy that only newer processors run.
 
+#include <cstdint>
+
 #include <treelet/core/platform.h>
 
 #if !defined(TREELET_ISA)
@@ -160,7 +162,7 @@ TREELET_INLINE void store(float* values, L lanes) {
 }
 
 template <class L>
-TREELET_INLINE L load_unaligned(const float* values) {
+TREELET_INLINE L load_unaligned(const void* values) {
   L lanes;
   __builtin_memcpy(&lanes, values, sizeof(L));
   return lanes;

@@ -63,7 +63,7 @@ TREELET_INLINE IntLanes<4> sort_descending(IntLanes<4> lanes) {
 
 /// Chooses lanes of x, none negative, where a <= b and c is not zero; they stay where they are.
 TREELET_INLINE Packed pack_at_most(IntLanes<8> x, Lanes<8> a, Lanes<8> b, IntLanes<8> c) {
-  const IntLanes<8> lanes = (a <= b) & (c != 0) ? x : -1;
+  const IntLanes<8> lanes = (a <= b) & (c != 0) ? x : IntLanes<8>{} - 1;
   const auto others = unsigned(_mm256_movemask_ps((__m256)lanes));
   return {lanes, 8 - unsigned(__builtin_popcount(others))};
 }

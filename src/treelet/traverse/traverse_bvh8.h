@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -41,7 +42,8 @@ class WaveStacks {
   };
 
   WaveStacks(const Bvh8& bvh, std::size_t rays)
-      : rays_(rays < kWaveRays ? rays : kWaveRays), stride_(stride_of(stack_capacity(bvh))) {
+      : stride_(stride_of(stack_capacity(bvh))),
+        rays_(std::max<std::size_t>(1, std::min({rays, kWaveRays, kMost / (2 * stride_)}))) {
     const std::size_t size = rays_ * stride_ * 2;
     if (size > kInline) heap_.reset(new std::uint32_t[size]);
   }
@@ -52,6 +54,7 @@ class WaveStacks {
 
  private:
   static constexpr std::size_t kInline = 512;
+  static constexpr std::size_t kMost = 1 << 20;  // values; trees too deep for it get smaller waves
 
   /// With room for all children of a node, which kernels write before they know how many are met.
   /// An odd number of cache lines: even ones would put all stacks into few sets of a cache.
@@ -60,7 +63,7 @@ class WaveStacks {
     return ((capacity + Bvh8Node::kChildren + kLine - 1) / kLine | 1) * kLine;
   }
 
-  std::size_t rays_, stride_;
+  std::size_t stride_, rays_;
   std::unique_ptr<std::uint32_t[]> heap_;
   std::uint32_t inline_[kInline];
 };

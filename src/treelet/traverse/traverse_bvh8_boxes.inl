@@ -73,10 +73,10 @@ TREELET_INLINE void store_entries(ChildStack top, IntLanes<8> keys, IntLanes<8> 
 template <bool Ordered>
 TREELET_INLINE unsigned push_children(const RaySlabs& ray, const Bvh8Node& node, ChildStack top) {
   const BoxSpans span = intersect_boxes(ray, node, 0);
-  const IntLanes<8> child = *reinterpret_cast<const IntLanes<8>*>(node.child);
+  const auto child = load_unaligned<IntLanes<8>>(node.child);
   const IntLanes<8> bits = (IntLanes<8>)span.enter;
   const IntLanes<8> places = {0, 1, 2, 3, 4, 5, 6, 7};
-  const IntLanes<8> keys = ((bits < 0 ? 0 : bits) & ~kPlaceBits) | places;
+  const IntLanes<8> keys = (max(bits, IntLanes<8>{}) & ~kPlaceBits) | places;
   // A place without a child is met where NaN clips nothing.
   const Packed packed = pack_at_most(keys, span.enter, span.leave, child);
 #if defined(__AVX512VL__)
