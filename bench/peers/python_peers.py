@@ -74,11 +74,12 @@ def race(scene: SceneFile, builds: dict[str, Build], rounds: int) -> dict[str, E
     Answers are compared with those of the first contender.
     """
     entrants = {name: Entrant(build) for name, build in builds.items()}
+    faces = scene.faces.astype(np.int32)
     for turn in range(rounds + 1):
         for entrant in entrants.values():
             entrant.trace = None
             start = time.perf_counter()
-            entrant.trace = entrant.build(scene.vertices, scene.faces.astype(np.int32))
+            entrant.trace = entrant.build(scene.vertices, faces)
             if turn > 0:
                 entrant.builds.append(time.perf_counter() - start)
     for rays in scene.ray_sets:

@@ -1,5 +1,6 @@
 #include "peers/scene_file.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>

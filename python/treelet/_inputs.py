@@ -158,3 +158,10 @@ def _raise_bad_index(faces: np.ndarray[Any, np.dtype[Any]], vertex_count: int) -
     face, corner = np.argwhere((faces < 0) | (faces >= vertex_count))[0]
     vertices = f"has vertices 0 to {vertex_count - 1}" if vertex_count else "has no vertices"
     raise ValueError(f"face {face} refers to vertex {faces[face, corner]}, but the mesh {vertices}")
+
+
+def as_flag(value: object, name: str) -> bool:
+    """A bool, or numpy's; TypeError for anything else, for which True is seldom what is meant."""
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    raise TypeError(f"{name} must be True or False, not {type(value).__name__}")

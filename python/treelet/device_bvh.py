@@ -23,7 +23,7 @@ from ._device import (
 )
 from ._device_rays import DeviceRays, find_device_rays, require_float32
 from ._device_results import make_outputs
-from ._inputs import as_rays, as_recipe
+from ._inputs import as_flag, as_rays, as_recipe
 from .report import Report
 
 if TYPE_CHECKING:
@@ -145,7 +145,7 @@ class DeviceBvh:
         stream = rays.stream
         outputs = make_outputs(rays.arrays[0], rays.shape, dtypes, self._core.device, stream)
         before_reading(rays.arrays, stream)
-        enqueue(rays.core, *outputs.addresses, stream.address, reorder)
+        enqueue(rays.core, *outputs.addresses, stream.address, as_flag(reorder, "reorder"))
         after_reading(rays.arrays, stream)
         return outputs.finish()
 
@@ -155,7 +155,7 @@ class DeviceBvh:
         if stream is not None:
             raise TypeError("stream is for arrays on a CUDA device, and the rays lie on the host")
         rays = as_rays(*host_rays)
-        answers = query(*rays.arguments, reorder, _STREAMED_BYTES)
+        answers = query(*rays.arguments, as_flag(reorder, "reorder"), _STREAMED_BYTES)
         return [array.reshape(rays.shape) for array in answers]
 
     def refit(self, vertices: Any, *, stream: Any = None) -> None:

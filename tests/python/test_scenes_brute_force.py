@@ -23,7 +23,7 @@ RECIPES = [
     "presplit(budget=100) > lbvh > treelet > bvh8",
     "presplit > sweep > bvh2",
     "presplit > sbvh > reinsert > bvh2",
-    "hploc > reinsert(percent=50, rounds=3) > cwbvh",
+    "hploc > reinsert(percent=10, rounds=3) > cwbvh",
 ]
 RAYS = 600
 TRIANGLES = dict(zip(scenes.names(), (1000, 1500, 2000, 2500, 3000, 3500, 4000, 5000), strict=True))

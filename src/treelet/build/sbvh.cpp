@@ -13,7 +13,6 @@
 #include <treelet/primitive/radix_sort.h>
 #include <treelet/primitive/split_steps.h>
 #include <treelet/tree/refit.h>
-#include <treelet/tree/sah.h>
 
 // References live in one long array. A node owns places [begin, limit) of it, of which its
 // references fill the first ones; what is left is its share of the budget:
@@ -68,7 +67,10 @@ class SbvhBuilder {
         items_(capacity(references.size(), config.budget)),
         outlines_(2 * items_.size()),
         is_used_(items_.size(), 0) {
-    std::copy(references.items.begin(), references.items.end(), items_.begin());
+    parallel_for(count_, kSerialReferences, [&](std::size_t i) {
+      const Reference& item = references.items[i];
+      items_[i] = references.may_repeat_faces ? item : with_box(item, triangle(item).bounds());
+    });
   }
 
   void run() {
@@ -97,6 +99,11 @@ class SbvhBuilder {
   }
 
  private:
+  /// Its box holds it; that of a reference that nobody has split is rounded to the nearest floats.
+  ExactTriangle triangle(const Reference& reference) const {
+    return {source_.mesh.triangle(reference.face), source_.scale};
+  }
+
   static std::size_t capacity(std::size_t count, float budget) {
     const double most = double(count) * (1.0 + double(budget) / 100.0);
     return std::size_t(std::min(most, double(kMaxFaces)));
@@ -165,10 +172,9 @@ class SbvhBuilder {
     return half_area(shared) >= max(least_overlap_, config_.node_overlap * half_area(box));
   }
 
-  static bool is_leaf_cheaper(const Aabb& box, std::uint32_t count, float split_cost) {
-    constexpr SahModel kSah{};
+  bool is_leaf_cheaper(const Aabb& box, std::uint32_t count, float split_cost) const {
     const float area = half_area(box);
-    return kSah.leaf_cost(area, count) <= kSah.internal_cost(area, split_cost);
+    return config_.sah.leaf_cost(area, count) <= config_.sah.internal_cost(area, split_cost);
   }
 
   /// References across the plane stay whole on one side where that is cheaper [Stich2009 s4.4].
@@ -203,11 +209,11 @@ class SbvhBuilder {
     } else if (only_left <= only_right) {
       halves.left.push_back(reference);
       now.left = wider_left;
-      --now.right_count;
+      now.right_count -= now.right_count > 1;  // counts of planes are rough
     } else {
       halves.right.push_back(reference);
       now.right = wider_right;
-      --now.left_count;
+      now.left_count -= now.left_count > 1;
     }
   }
 
@@ -302,6 +308,7 @@ BinaryTree build_sbvh(References& references, const Mesh& mesh, const SbvhConfig
   if (references.size() == 0) return {};
   const Stage stage{"build sbvh"};
   SbvhBuilder builder(references, mesh, config);
+  references.items = {};
   builder.run();
   return builder.finish(references);
 }

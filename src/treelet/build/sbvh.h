@@ -3,10 +3,12 @@
 #include <treelet/mesh/mesh.h>
 #include <treelet/primitive/reference.h>
 #include <treelet/tree/binary_tree.h>
+#include <treelet/tree/sah.h>
 
 namespace treelet {
 
 struct SbvhConfig {
+  SahModel sah{};         ///< decides where space is split no further
   float budget = 100.0f;  ///< references added at most, in percent of those at first
   /// Space that the halves of the best object split must share for planes to be looked for, in
   /// parts of the scene's surface and of the node's.

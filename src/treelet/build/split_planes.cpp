@@ -158,9 +158,9 @@ void add_parts(AxisBins& bins, const Bins& grid, int axis, const Reference& refe
     add(grid.of(p[axis]), p);
     if (q[axis] < p[axis]) std::swap(p, q);
     const int from = std::max(grid.of(p[axis]), first), to = std::min(grid.of(q[axis]), last);
-    const float inverse = 1.0f / (q[axis] - p[axis]);
+    const float length = q[axis] - p[axis];
     for (int k = from; k < to; ++k) {
-      const Vec3 crossing = p + (q - p) * ((grid.plane(k + 1) - p[axis]) * inverse);
+      const Vec3 crossing = p + (q - p) * ((grid.plane(k + 1) - p[axis]) / length);
       add(k, crossing);
       add(k + 1, crossing);
     }

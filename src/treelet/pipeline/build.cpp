@@ -22,23 +22,25 @@ namespace treelet {
 namespace {
 
 // Some builders split references on the way.
-using Builder = BinaryTree (*)(References&, const Mesh&, const RecipeStage&);
+using Builder = BinaryTree (*)(References&, const Mesh&, const SahModel&, const RecipeStage&);
 using Optimizer = void (*)(BinaryTree&, const SahModel&, const RecipeStage&);
 
-BinaryTree run_lbvh(References& references, const Mesh&, const RecipeStage&) {
+BinaryTree run_lbvh(References& references, const Mesh&, const SahModel&, const RecipeStage&) {
   return build_lbvh(references);
 }
 
-BinaryTree run_hploc(References& references, const Mesh&, const RecipeStage& stage) {
+BinaryTree run_hploc(References& references, const Mesh&, const SahModel&,
+                     const RecipeStage& stage) {
   return build_hploc(references, {.radius = int(stage.value("radius"))});
 }
 
-BinaryTree run_sweep(References& references, const Mesh&, const RecipeStage&) {
+BinaryTree run_sweep(References& references, const Mesh&, const SahModel&, const RecipeStage&) {
   return build_sweep(references);
 }
 
-BinaryTree run_sbvh(References& references, const Mesh& mesh, const RecipeStage& stage) {
-  return build_sbvh(references, mesh, {.budget = float(stage.value("budget"))});
+BinaryTree run_sbvh(References& references, const Mesh& mesh, const SahModel& sah,
+                    const RecipeStage& stage) {
+  return build_sbvh(references, mesh, {.sah = sah, .budget = float(stage.value("budget"))});
 }
 
 void run_treelet(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
@@ -164,7 +166,7 @@ class Pipeline {
   Built build_tree(const SahModel& sah) const {
     Built built{make_references(), {}};
     const std::string_view builder = recipe_.builder.word->name;
-    built.tree = find_function(kBuilders, builder)(built.references, mesh_, recipe_.builder);
+    built.tree = find_function(kBuilders, builder)(built.references, mesh_, sah, recipe_.builder);
     check(builder, built);
     for (const RecipeStage& stage : recipe_.optimizers) {
       find_function(kOptimizers, stage.word->name)(built.tree, sah, stage);

@@ -22,11 +22,11 @@ constexpr std::array<WordParameter, 1> kHplocParameters{{
 }};
 
 constexpr std::array<WordParameter, 1> kSbvhParameters{{
-    {"budget", SbvhConfig{}.budget, 0, 300, "references added at most, in percent of the others"},
+    {"budget", SbvhConfig{}.budget, 0, 300, "references added at most, in percent of those before"},
 }};
 
 constexpr std::array<WordParameter, 2> kReinsertParameters{{
-    {"percent", ReinsertionConfig{}.percent, 0, 100, "of all nodes, the largest, are looked at"},
+    {"percent", ReinsertionConfig{}.percent, 0, 10, "of all nodes, the largest, are looked at"},
     {"rounds", ReinsertionConfig{}.rounds, 0, 16, "passes over the tree"},
 }};
 
@@ -77,7 +77,7 @@ constexpr std::array<Preset, 3> kPresets{{
     {"fast", "lbvh > bvh8", "quickest build: for a few million rays a frame"},
     {"balanced", "lbvh > treelet > bvh8", "near-best tree for a little more time: the default"},
     {"best", "sbvh(budget=50) > treelet(rounds=2, gamma=14) > reinsert > bvh8",
-     "least work a ray, on the CPU alone: for billions of rays, and for long thin triangles"},
+     "spatial splits, on the CPU alone: for billions of rays, and for long thin triangles"},
 }};
 
 }  // namespace

@@ -21,6 +21,10 @@ TREELET_HD constexpr float float_power_of_two(int exponent) {
   return std::bit_cast<float>(bits);
 }
 
+/// Coordinates of build space end here. A mesh of extent 1 that reaches so far is flat there, and
+/// its doubled centroids must not overflow.
+constexpr float kBuildSpaceLimit = 0x1p125f;
+
 /// k such that x is in [2^k, 2^(k + 1)), for a positive normal double; 1024 for infinity.
 TREELET_HD constexpr int floor_log2(double x) {
   return int(std::bit_cast<std::uint64_t>(x) >> 52) - 1023;

@@ -23,8 +23,7 @@ TREELET_HD constexpr int extent_exponent(const Aabb& box) {
 
 /// Takes coordinates of the mesh to build space: multiplies by 2^-exponent, for exponents of -148
 /// to 129, rounding once; -0 becomes +0. Where 2^-exponent is beyond the largest float it takes two
-/// steps: growing is exact. Coordinates beyond 2^125 become 2^125: a mesh of extent 1 that reaches
-/// so far is flat there, and its doubled centroids must not overflow.
+/// steps: growing is exact. Coordinates beyond kBuildSpaceLimit become that.
 class PowerOfTwoScale {
  public:
   TREELET_HD constexpr explicit PowerOfTwoScale(int exponent)
@@ -32,7 +31,7 @@ class PowerOfTwoScale {
         second_(float_power_of_two(-exponent > 127 ? -exponent - 127 : 0)) {}
 
   TREELET_HD constexpr float operator()(float x) const {
-    return max(-kLimit, min(x * first_ * second_ + 0.0f, kLimit));
+    return max(-kBuildSpaceLimit, min(x * first_ * second_ + 0.0f, kBuildSpaceLimit));
   }
   TREELET_HD constexpr Vec3 operator()(Vec3 p) const {
     return {(*this)(p.x), (*this)(p.y), (*this)(p.z)};
@@ -42,8 +41,6 @@ class PowerOfTwoScale {
   }
 
  private:
-  static constexpr float kLimit = 0x1p125f;
-
   float first_, second_;
 };
 

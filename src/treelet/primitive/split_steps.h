@@ -51,7 +51,9 @@ struct ExactBox {
   }
 };
 
-/// A triangle in build space. Doubles hold a float times any power of two that scales a mesh.
+/// A triangle in build space. Doubles hold a float times any power of two that scales a mesh. On an
+/// axis where it reaches beyond the limit all of the mesh has one coordinate, so that it keeps its
+/// shape.
 struct ExactTriangle {
   std::array<std::array<double, 3>, 3> vertex;
 
@@ -68,7 +70,11 @@ struct ExactTriangle {
 
  private:
   TREELET_HD static std::array<double, 3> scaled(Vec3 p, double scale) {
-    return {p.x * scale + 0.0, p.y * scale + 0.0, p.z * scale + 0.0};  // -0 to +0
+    return {limited(p.x * scale), limited(p.y * scale), limited(p.z * scale)};
+  }
+  TREELET_HD static constexpr double limited(double x) {
+    constexpr double limit = kBuildSpaceLimit;
+    return (x < -limit ? -limit : limit < x ? limit : x) + 0.0;  // -0 to +0
   }
 };
 
