@@ -130,8 +130,8 @@ class Bvh:
         Args:
             vertices: (V, 3) as for `treelet.build`, as many as there: the faces are those of the build.
 
-        Recipes that split triangles (`presplit`, `sbvh`, the preset `best`) lose by a refit more than splitting
-        gained: their pieces get the boxes of whole triangles. Rebuild such trees.
+        Recipes that split triangles (`presplit`, `sbvh`, the preset `best`) lose more by a refit than
+        splitting gained: their pieces get the boxes of whole triangles. Rebuild such trees.
 
         Raises:
             RuntimeError: for a tree built without `updatable=True`, or while another thread uses it.
