@@ -227,8 +227,9 @@ TYPED_TEST(DeviceIntersect, CountsAboutTheHostsWork) {
     host_nodes += host[i].nodes;
     host_triangles += host[i].triangles;
   }
-  // On the device, a group on the stack of a Cwbvh has no distance: nodes of it are visited in vain.
-  // On the host, leaves of a Bvh8 wait while nodes are visited that a hit in them would rule out.
+  // On the device, a group on the stack of a Cwbvh has no distance: nodes of it are visited in
+  // vain. On the host, leaves of a Bvh8 wait while nodes are visited that a hit in them would rule
+  // out.
   const double least = std::is_same_v<TypeParam, Bvh8> ? 0.8 : 0.98;
   const double most = std::is_same_v<TypeParam, Cwbvh> ? 1.5 : 1.05;
   EXPECT_GE(nodes, least * host_nodes);
