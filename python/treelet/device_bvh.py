@@ -159,7 +159,17 @@ class DeviceBvh:
         return [array.reshape(rays.shape) for array in answers]
 
     def refit(self, vertices: Any, *, stream: Any = None) -> None:
-        """Move the triangles and fit the boxes, but leave the tree's shape. As `Bvh.refit`; nothing waits."""
+        """Move the triangles and fit the boxes, but leave the tree's shape. As `Bvh.refit`; nothing waits.
+
+        Args:
+            vertices: (V, 3) float32 on the tree's device, as many as at the build.
+            stream: the CUDA stream to enqueue on; that of the array's library by default.
+
+        Raises:
+            RuntimeError: for a tree built without `updatable=True`, and for one that was moved here.
+            ValueError: for a wrong shape or another number of vertices.
+            TypeError: where the vertices lie on the host or are not float32.
+        """
         self._update(self._core.refit, vertices, stream)
         self._report = None
 
