@@ -29,7 +29,7 @@ template <class Layout>
 void find_occluded(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays, bool* occluded,
                    Stream stream);
 /// What finding each ray's closest hit takes (traverse/visitors.h). Boxes are tested in another
-/// arithmetic than on the CPU, so the counts may differ from its by a few.
+/// arithmetic and children visited in another order than on the CPU, so the counts differ.
 template <class Layout>
 void count_work(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays,
                 const WorkArrays& work, Stream stream);
