@@ -3,6 +3,8 @@
 # An nvcc is looked for in CMAKE_CUDA_COMPILER, CUDACXX, CUDA_PATH and PATH. With TREELET_CUDA=ON the
 # toolkit of PyPI serves as well, where the Python that is first on PATH has it installed.
 
+include(TreeletPythonPackage)
+
 set(TREELET_CUDA AUTO CACHE STRING
   "Compile the CUDA code: ON, OFF, or AUTO, which means where a CUDA toolkit is installed")
 set_property(CACHE TREELET_CUDA PROPERTY STRINGS AUTO ON OFF)
@@ -47,13 +49,7 @@ endfunction()
 # Sets `folder` to where the toolkit of PyPI lies, or to nothing.
 function(treelet_find_python_toolkit folder)
   set(${folder} "" PARENT_SCOPE)
-  find_program(python NAMES "${Python_EXECUTABLE}" python3 python NO_CACHE)
-  if(NOT python)
-    return()
-  endif()
-  execute_process(
-    COMMAND "${python}" -c "import nvidia.cu13; print(*nvidia.cu13.__path__, sep=';')"
-    OUTPUT_VARIABLE candidates OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  treelet_find_python_package(nvidia.cu13 candidates)
   foreach(candidate IN LISTS candidates)
     if(EXISTS "${candidate}/bin/nvcc" AND EXISTS "${candidate}/include/cccl")
       set(${folder} "${candidate}" PARENT_SCOPE)

@@ -1,6 +1,8 @@
 # The target treelet_embree: Embree 4 as the system has it, else as the Python package embreex brings
 # it along. Neither needs headers (bench/peers/embree_api.h).
 
+include(TreeletPythonPackage)
+
 add_library(treelet_embree INTERFACE)
 
 find_package(embree 4 CONFIG QUIET)
@@ -13,15 +15,8 @@ endif()
 # Sets `library` to Embree's inside the package of the Python that is first on PATH, or to nothing.
 function(treelet_find_embreex library)
   set(${library} "" PARENT_SCOPE)
-  find_program(python NAMES "${Python_EXECUTABLE}" python3 python NO_CACHE)
-  if(NOT python)
-    return()
-  endif()
-  # The package itself is not imported: its folder is all that is wanted.
-  execute_process(
-    COMMAND "${python}" -c "from importlib.util import find_spec; print(find_spec('embreex').submodule_search_locations[0])"
-    OUTPUT_VARIABLE package OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failure)
-  if(failure)
+  treelet_find_python_package(embreex package)
+  if(NOT package)
     return()
   endif()
   file(GLOB found "${package}.libs/libembree4*.so*" "${package}/.dylibs/libembree4*.dylib")

@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 LOW, HIGH, HIGH_PACKETS = "Embree LOW", "Embree HIGH", "Embree HIGH packets"
+REFERENCES = {"LOW": LOW, "HIGH": HIGH, "packets": HIGH_PACKETS}  # in headings
+KINDS = {"any hit": "ambient_occlusion"}  # whose heading is another word
 LONG_THIN = ("hospital_mep", "clinic")  # building models that need spatial splits: in means of their own
 
 
@@ -66,33 +68,34 @@ class Column(NamedTuple):
     of: Callable[[Scene], float | None]
 
 
+def speed_columns(label: str, *headings: str, prefix: str = "") -> list[Column]:
+    """Speed over another's, above 1 is faster; headings are of the form "any hit / HIGH"."""
+
+    def column(heading: str) -> Column:
+        kind, reference = heading.split(" / ")
+        return Column(
+            prefix + heading, lambda scene: scene.speed(label, REFERENCES[reference], KINDS.get(kind, kind))
+        )
+
+    return [column(heading) for heading in headings]
+
+
 def goal_columns(fast: str, balanced: str) -> list[Column]:
-    """Speed over Embree's: above 1 is faster."""
+    """What is held against Embree's, and bytes."""
+    against_high = ("diffuse / HIGH", "any hit / HIGH", "primary / HIGH", "primary / packets")
     return [
-        Column("fast: build / LOW", lambda scene: scene.speed(fast, LOW, "build")),
-        Column("fast: diffuse / LOW", lambda scene: scene.speed(fast, LOW, "diffuse")),
-        Column("build / LOW", lambda scene: scene.speed(balanced, LOW, "build")),
-        Column("diffuse / HIGH", lambda scene: scene.speed(balanced, HIGH, "diffuse")),
-        Column("any hit / HIGH", lambda scene: scene.speed(balanced, HIGH, "ambient_occlusion")),
-        Column("primary / HIGH", lambda scene: scene.speed(balanced, HIGH, "primary")),
-        Column("primary / packets", lambda scene: _packet_speed(scene, balanced)),
+        *speed_columns(fast, "build / LOW", "diffuse / LOW", prefix="fast: "),
+        *speed_columns(balanced, "build / LOW", *against_high),
         Column("B/triangle", lambda scene: scene.bytes_per_face(balanced)),
         Column("of HIGH", lambda scene: scene.bytes_per_face(HIGH)),
     ]
 
 
-def _packet_speed(scene: Scene, label: str) -> float | None:
-    return scene.speed(label, HIGH_PACKETS, "primary")
-
-
 def contender_columns(label: str) -> list[Column]:
     """A contender's figures, the same for ours and Embree's."""
+    diffuse = ("diffuse / LOW", "diffuse / HIGH")
     return [
-        Column("build / LOW", lambda scene: scene.speed(label, LOW, "build")),
-        Column("primary / HIGH", lambda scene: scene.speed(label, HIGH, "primary")),
-        Column("diffuse / LOW", lambda scene: scene.speed(label, LOW, "diffuse")),
-        Column("diffuse / HIGH", lambda scene: scene.speed(label, HIGH, "diffuse")),
-        Column("any hit / HIGH", lambda scene: scene.speed(label, HIGH, "ambient_occlusion")),
+        *speed_columns(label, "build / LOW", "primary / HIGH", *diffuse, "any hit / HIGH"),
         Column("nodes/ray", lambda scene: scene.work(label, "nodes_per_ray")),
         Column("triangles/ray", lambda scene: scene.work(label, "triangles_per_ray")),
         Column("B/triangle", lambda scene: scene.bytes_per_face(label)),

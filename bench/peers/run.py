@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -44,7 +45,7 @@ def race(mesh, options: argparse.Namespace) -> list[Measurement]:
         file = Path(folder) / "scene"
         make_scene_file(file, mesh, options.width, options.height)
         answer = subprocess.run(
-            [options.harness, file, *_harness_arguments(options)],
+            [options.harness.absolute(), file, *_harness_arguments(options)],
             stdout=subprocess.PIPE,
             stderr=None if options.verbose else subprocess.PIPE,
             text=True,
@@ -86,7 +87,13 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--repeats", type=count, default=7)
     parser.add_argument("--threads", type=count, help="all by default")
     parser.add_argument("--verbose", action="store_true", help="show what is being measured")
-    return parser.parse_args(words)
+    options = parser.parse_args(words)
+    if not os.access(options.harness, os.X_OK) or options.harness.is_dir():
+        parser.error(
+            f"--harness {options.harness} is no program: build the target treelet_peers with "
+            "-DTREELET_BUILD_PEERS=ON, or run `make bench-peers`"
+        )
+    return options
 
 
 if __name__ == "__main__":

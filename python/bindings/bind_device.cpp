@@ -88,15 +88,13 @@ struct RayArguments {
       if (t_min != 0) require_device(t_min, device, "t_min");
       if (t_max != 0) require_device(t_max, device, "t_max");
     }
-    cuda::DeviceRayBatch rays;
-    rays.size = count;
-    rays.origins = rows<treelet::Vec3>(origins, origin_rows);
-    rays.directions = rows<treelet::Vec3>(directions, direction_rows);
-    rays.t_min = rows<float>(t_min, t_min_rows);
-    rays.t_max = rows<float>(t_max, t_max_rows);
-    rays.all_t_min = all_t_min;
-    rays.all_t_max = all_t_max;
-    return rays;
+    return {.size = count,
+            .origins = rows<treelet::Vec3>(origins, origin_rows),
+            .directions = rows<treelet::Vec3>(directions, direction_rows),
+            .t_min = rows<float>(t_min, t_min_rows),
+            .t_max = rows<float>(t_max, t_max_rows),
+            .all_t_min = all_t_min,
+            .all_t_max = all_t_max};
   }
 
  private:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from . import _core
-from ._answers import Hits, Work
 from ._device import (
     DeviceArray,
     after_reading,
@@ -21,20 +19,19 @@ from ._device import (
     stream_address,
     work_stream,
 )
-from ._device_rays import DeviceRays, find_device_rays, require_float32
-from ._device_results import make_outputs
-from ._inputs import as_flag, as_rays, as_recipe
+from ._device_queries import DeviceRayQueries
+from ._device_rays import require_float32
+from ._inputs import as_recipe
+from ._offset import ORIGIN, Bounds, Offset, add_offset
 from .report import Report
 
 if TYPE_CHECKING:
     from .bvh import Bvh
 
-_STREAMED_BYTES = 2**28  # that rays of the host take on the device at a time
-_HIT_DTYPES = ("float32", "int32", "float32", "float32")
 _INDEX_DTYPES = tuple(np.dtype(name) for name in ("int32", "uint32", "int64", "uint64"))
 
 
-class DeviceBvh:
+class DeviceBvh(DeviceRayQueries):
     """A bounding volume hierarchy on a CUDA device, with the answers of the CPU's `Bvh`, bit for bit.
 
     Takes arrays of torch, cupy, jax, numba or any library with `__cuda_array_interface__` that lie on the
@@ -47,116 +44,18 @@ class DeviceBvh:
     where one is jax's, which has no streams to name, for their own work.
     """
 
-    def __init__(self, core: _core.DeviceBvh, *, is_moved: bool = False) -> None:
+    def __init__(
+        self,
+        core: _core.DeviceBvh,
+        *,
+        is_moved: bool = False,
+        offset: Offset = ORIGIN,
+        vertex_rounding: float = 0.0,
+    ) -> None:
         """Not for users: call `treelet.build` or `Bvh.to`."""
         self._core, self._is_moved = core, is_moved
+        self._offset, self._vertex_rounding = offset, vertex_rounding
         self._report: Report | None = None
-
-    def intersect(
-        self,
-        origins: Any,
-        directions: Any,
-        t_min: Any = 0.0,
-        t_max: Any = math.inf,
-        *,
-        reorder: bool = False,
-        stream: Any = None,
-    ) -> Hits:
-        """Find the closest hit of each ray. As `Bvh.intersect`, with arrays on the device or on the host.
-
-        Rays on the host are sent to the device in chunks, 256 MiB at a time, and the answers come back as
-        numpy arrays; the call waits for them. Contiguous float32 arrays are read in place, memory-mapped ones
-        from their file. Copies and tracing overlap, the more so where memory is pinned.
-
-        Args:
-            origins: (..., 3) float32.
-            directions: (..., 3) float32. Shapes are broadcast as on the host, but nothing is repeated in
-                device memory: every array has one row for all rays, or a row for each.
-            t_min: (...) float32 or a number.
-            t_max: (...) float32 or a number, included.
-            reorder: sort the rays for coherence before they are traced. Pays for incoherent batches of a
-                million and more; answers stay in the order of the rays. Takes 16 bytes a ray, of 16 million
-                rays at most, on the device.
-            stream: an address, a stream of torch or cupy, or anything with `__cuda_stream__`; for arrays on
-                the device.
-
-        Returns:
-            Hits(t, face, u, v): float32, int32, float32, float32 arrays of the rays' shape.
-
-        Raises:
-            ValueError: where shapes do not fit each other or an array is not contiguous.
-            TypeError: where arrays lie on the host and on the device, or one has another dtype there.
-            RuntimeError: where CUDA fails.
-        """
-        rays = find_device_rays(origins, directions, t_min, t_max, stream)
-        if rays is None:
-            host_rays = origins, directions, t_min, t_max
-            return Hits(*self._query_from_host(self._core.stream_intersect, host_rays, reorder, stream))
-        return Hits(*self._query(self._core.intersect, rays, reorder, _HIT_DTYPES))
-
-    def occluded(
-        self,
-        origins: Any,
-        directions: Any,
-        t_min: Any = 0.0,
-        t_max: Any = math.inf,
-        *,
-        reorder: bool = False,
-        stream: Any = None,
-    ) -> Any:
-        """Whether each ray hits anything in [t_min, t_max]. Arguments and errors as `intersect`.
-
-        Returns:
-            bool array of the rays' shape.
-        """
-        rays = find_device_rays(origins, directions, t_min, t_max, stream)
-        if rays is None:
-            host_rays = origins, directions, t_min, t_max
-            [occluded] = self._query_from_host(self._core.stream_occluded, host_rays, reorder, stream)
-        else:
-            [occluded] = self._query(self._core.occluded, rays, reorder, ("bool",))
-        return occluded
-
-    def traversal_cost(
-        self,
-        origins: Any,
-        directions: Any,
-        t_min: Any = 0.0,
-        t_max: Any = math.inf,
-        *,
-        reorder: bool = False,
-        stream: Any = None,
-    ) -> Work:
-        """Count the work that `intersect` does for each ray. Arguments and errors as `intersect`.
-
-        Returns:
-            Work(nodes, triangles), int32 arrays, for rays on the host uint32. They may differ by a few from
-            the CPU's: boxes are tested in another arithmetic, and leaves in another order.
-        """
-        rays = find_device_rays(origins, directions, t_min, t_max, stream)
-        if rays is None:
-            host_rays = origins, directions, t_min, t_max
-            return Work(*self._query_from_host(self._core.stream_traversal_cost, host_rays, reorder, stream))
-        return Work(*self._query(self._core.traversal_cost, rays, reorder, ("int32", "int32")))
-
-    def _query(
-        self, enqueue: Callable[..., None], rays: DeviceRays, reorder: bool, dtypes: tuple[str, ...]
-    ) -> list[Any]:
-        stream = rays.stream
-        outputs = make_outputs(rays.arrays[0], rays.shape, dtypes, self._core.device, stream)
-        before_reading(rays.arrays, stream)
-        enqueue(rays.core, *outputs.addresses, stream.address, as_flag(reorder, "reorder"))
-        after_reading(rays.arrays, stream)
-        return outputs.finish()
-
-    def _query_from_host(
-        self, query: Callable[..., Any], host_rays: tuple[Any, ...], reorder: bool, stream: Any
-    ) -> list[Any]:
-        if stream is not None:
-            raise TypeError("stream is for arrays on a CUDA device, and the rays lie on the host")
-        rays = as_rays(*host_rays)
-        answers = query(*rays.arguments, as_flag(reorder, "reorder"), _STREAMED_BYTES)
-        return [array.reshape(rays.shape) for array in answers]
 
     def refit(self, vertices: Any, *, stream: Any = None) -> None:
         """Move the triangles and fit the boxes, but leave the tree's shape. As `Bvh.refit`; nothing waits.
@@ -208,13 +107,18 @@ class DeviceBvh:
         self._report = None
 
     def to(self, device: str, *, stream: Any = None) -> Bvh | DeviceBvh:
-        """The same tree elsewhere: "cpu" copies it to the host and waits; "cuda", or its own `device` as
-        "cuda:0", is this one.
+        """The same tree elsewhere: "cpu" copies it to the host and waits; "cuda" is where it is.
 
         A copy cannot be updated, even where this tree can.
 
+        Args:
+            device: "cpu", "cuda" or this tree's own `device`, as "cuda:0".
+            stream: the CUDA stream to copy in, as for queries; the default stream if None.
+
         Raises:
             ValueError: for any other device.
+            TypeError: for a stream of another kind.
+            RuntimeError: where CUDA fails.
         """
         if device in ("cuda", self.device):
             return self
@@ -222,10 +126,40 @@ class DeviceBvh:
             raise ValueError(f"device must be 'cpu' or 'cuda' or {self.device!r}, not {device!r}")
         from .bvh import Bvh
 
-        return Bvh(self._core.download(stream_address(stream)), is_moved=True)
+        core = self._core.download(stream_address(stream))
+        _core.place(core, self._offset, self._vertex_rounding)
+        return Bvh(core, is_moved=True)
+
+    @property
+    def offset(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """(3,) float64, on the host: what was subtracted from the vertices, as `Bvh.offset`."""
+        return np.array(self._offset)
+
+    @property
+    def local(self) -> DeviceBvh:
+        """This tree in coordinates relative to `offset`, which rays in device memory have to be in.
+
+        Subtract the offset from their origins there, in float64, and round to float32. The tree is the same
+        one in the same memory. Where the offset is zero, so is this.
+        """
+        return DeviceBvh(self._core, is_moved=self._is_moved, vertex_rounding=self._vertex_rounding)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a tree on a CUDA device cannot be pickled: move it with bvh.to('cpu') first")
 
     def validate(self, vertices: Any = None, faces: Any = None) -> list[str]:
-        """`Bvh.validate` of a copy on the host; the mesh, if given, in host arrays too."""
+        """List what is wrong with the tree: `Bvh.validate` of a copy on the host, where this waits.
+
+        Args:
+            vertices: (V, 3), where the mesh is now, on the host.
+            faces: (F, 3) integers on the host.
+
+        Raises:
+            ValueError: for a wrong shape, or a face index out of range.
+            TypeError: for vertices without faces or faces without vertices, and for arrays that do not hold
+                numbers or lie on a CUDA device: copy those to the host first.
+            RuntimeError: where CUDA fails.
+        """
         for array, name in ((vertices, "vertices"), (faces, "faces")):
             if is_on_device(array):
                 raise TypeError(f"{name} must lie on the host, where validation runs: copy them there")
@@ -243,7 +177,7 @@ class DeviceBvh:
         The first look after a build, a refit or `check` waits for the device.
         """
         if self._report is None:
-            self._report = Report(self._core, 0.0, nullcontext)
+            self._report = Report(self._core, self._vertex_rounding, nullcontext)
         return self._report
 
     @property
@@ -252,9 +186,9 @@ class DeviceBvh:
         return self.report.faces
 
     @property
-    def bounds(self) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
-        """(2, 3) float32 on the host: lower and upper corner; inf and -inf for an empty tree."""
-        return np.array(self._core.bounds, dtype=np.float32)
+    def bounds(self) -> Bounds:
+        """(2, 3) on the host: lower and upper corner, as `Bvh.bounds`; inf and -inf for an empty tree."""
+        return add_offset(np.array(self._core.bounds, dtype=np.float32), self._offset)
 
     def __repr__(self) -> str:
         report = self.report
@@ -293,7 +227,9 @@ def build_on_device(
 
 def move_to_device(core: _core.Bvh, stream: Any = None) -> DeviceBvh:
     """`Bvh.to("cuda")`."""
-    return DeviceBvh(_core.device_upload(core, stream_address(stream)), is_moved=True)
+    offset, rounding = _core.placement(core)
+    uploaded = _core.device_upload(core, stream_address(stream))
+    return DeviceBvh(uploaded, is_moved=True, offset=offset, vertex_rounding=rounding)
 
 
 def _as_vertices(vertices: Any, advice: str = "copy them there") -> DeviceArray:

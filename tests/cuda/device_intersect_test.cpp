@@ -23,6 +23,7 @@
 #include "cuda/device_input.h"
 #include "cuda/device_rays.h"
 #include "cuda/schedules.h"
+#include "support/aimed_rays.h"
 #include "support/mesh_params.h"
 #include "support/mesh_rays.h"
 #include "support/meshes.h"
@@ -151,14 +152,7 @@ TYPED_TEST(DeviceIntersect, AnswersLikeTheHostOnHardMeshes) {
 
 TYPED_TEST(DeviceIntersect, AnswersLikeTheHostToRaysThatGraze) {
   for (const test::Aim aim : test::kAims) {
-    test::Random random(8);
-    test::OwnedMesh mesh;
-    std::vector<Ray> rays;
-    for (int i = 0; i < 150; ++i) {
-      const auto& [triangle, ray] = test::random_case(random, aim);
-      mesh.add(triangle.p0, triangle.p1, triangle.p2);
-      rays.push_back(ray);
-    }
+    const auto [mesh, rays] = test::AimedRays(aim, 150, 8);
     const References references = create_references(mesh.view());
     const auto bvh = pack<TypeParam>(mesh, build_lbvh(references), references, false);
     expect_the_hosts_answers(bvh, rays, test::name(aim) + ", seed 8");

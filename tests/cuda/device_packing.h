@@ -102,39 +102,30 @@ class DevicePackInput {
   cuda::DeviceCut cut_;
 };
 
-/// What the tests of one layout call.
-struct Bvh2Calls {
-  static constexpr std::uint32_t kMaxLeaf = cuda::kMaxBvh2Leaf, kScratchPerReference = 16;
-
+/// What the tests of one layout call: how it is packed, here in two calls and on the host.
+template <class LayoutOf, auto kCarve, auto kPlan, auto kWrite, auto kPackOnHost>
+struct LayoutCalls {
+  using Layout = LayoutOf;
+  using Host = decltype(cuda::download(Layout(), kStream));
+  static constexpr auto carve_scratch = kCarve;
+  static constexpr auto plan = kPlan;
+  static constexpr auto write = kWrite;
+  static constexpr auto pack_on_host = kPackOnHost;
+};
+struct Bvh2Calls : LayoutCalls<cuda::DeviceBvh2, cuda::carve_bvh2_scratch, cuda::plan_bvh2,
+                               cuda::write_bvh2, treelet::pack_bvh2> {
   using Model = SahModel;
-  using Layout = cuda::DeviceBvh2;
-  using Host = Bvh2;
-  static constexpr auto carve_scratch = cuda::carve_bvh2_scratch;
-  static constexpr auto plan = cuda::plan_bvh2;
-  static constexpr auto write = cuda::write_bvh2;
-  static constexpr auto pack_on_host = treelet::pack_bvh2;
+  static constexpr std::uint32_t kMaxLeaf = cuda::kMaxBvh2Leaf, kScratchPerReference = 16;
 };
-struct Bvh8Calls {
-  static constexpr std::uint32_t kMaxLeaf = 16, kScratchPerReference = 32;
-
+struct Bvh8Calls : LayoutCalls<cuda::DeviceBvh8, cuda::carve_bvh8_scratch, cuda::plan_bvh8,
+                               cuda::write_bvh8, treelet::pack_bvh8> {
   using Model = WideCostModel;
-  using Layout = cuda::DeviceBvh8;
-  using Host = Bvh8;
-  static constexpr auto carve_scratch = cuda::carve_bvh8_scratch;
-  static constexpr auto plan = cuda::plan_bvh8;
-  static constexpr auto write = cuda::write_bvh8;
-  static constexpr auto pack_on_host = treelet::pack_bvh8;
+  static constexpr std::uint32_t kMaxLeaf = 16, kScratchPerReference = 32;
 };
-struct CwbvhCalls {
-  static constexpr std::uint32_t kMaxLeaf = CwbvhNode::kMaxLeaf, kScratchPerReference = 32;
-
+struct CwbvhCalls : LayoutCalls<cuda::DeviceCwbvh, cuda::carve_cwbvh_scratch, cuda::plan_cwbvh,
+                                cuda::write_cwbvh, treelet::pack_cwbvh> {
   using Model = CwbvhCostModel;
-  using Layout = cuda::DeviceCwbvh;
-  using Host = Cwbvh;
-  static constexpr auto carve_scratch = cuda::carve_cwbvh_scratch;
-  static constexpr auto plan = cuda::plan_cwbvh;
-  static constexpr auto write = cuda::write_cwbvh;
-  static constexpr auto pack_on_host = treelet::pack_cwbvh;
+  static constexpr std::uint32_t kMaxLeaf = CwbvhNode::kMaxLeaf, kScratchPerReference = 32;
 };
 
 /// With leaves of so many triangles, as far as the layout has room.

@@ -8,55 +8,23 @@
 #include <treelet/layout/pack_bvh8.h>
 #include <treelet/layout/statistics.h>
 #include <treelet/layout/validate_layout.h>
-#include <treelet/primitive/split.h>
 
 #include <functional>
-#include <set>
-#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "support/layouts.h"
 #include "support/meshes.h"
-#include "support/threads.h"
-#include "support/trees.h"
 
 namespace treelet {
 namespace {
 
+// What both wide packers promise is in pack_wide_test.cpp.
+
 using Sentences = std::vector<std::string>;
 
-Cwbvh pack(const test::OwnedMesh& mesh, const CwbvhCostModel& model = {}) {
+Cwbvh pack(const test::OwnedMesh& mesh) {
   const References references = create_references(mesh.view());
-  return pack_cwbvh(build_lbvh(references), references, mesh.view(), model);
-}
-
-TEST(PackCwbvh, IsSoundOnEveryHardMesh) {
-  for (const auto& [name, mesh] : test::hard_meshes()) {
-    const References references = create_references(mesh.view());
-    for (const std::uint32_t leaf_limit : {1u, 2u, 3u}) {
-      for (const bool scrambled : {false, true}) {
-        SCOPED_TRACE(name + ", leaf limit " + std::to_string(leaf_limit));
-        const BinaryTree tree =
-            scrambled ? test::random_tree(references, 3) : build_lbvh(references);
-        const Cwbvh bvh = pack_cwbvh(tree, references, mesh.view(), {.leaf_limit = leaf_limit});
-        EXPECT_EQ(validate(bvh, mesh.view()), Sentences{});
-        EXPECT_EQ(bvh.triangles.size(), references.size());
-        EXPECT_LE(compute_statistics(bvh, {}).leaf_histogram.size(), leaf_limit + 1);
-      }
-    }
-  }
-}
-
-TEST(PackCwbvh, IsSoundOverSplitTriangles) {
-  for (const auto& [name, mesh] : test::hard_meshes()) {
-    SCOPED_TRACE(name);
-    References references = create_references(mesh.view());
-    split_references(references, mesh.view(), references.size());
-    const Cwbvh bvh = pack_cwbvh(build_lbvh(references), references, mesh.view(), {});
-    EXPECT_EQ(validate(bvh, mesh.view()), Sentences{});
-  }
+  return pack_cwbvh(build_lbvh(references), references, mesh.view(), {});
 }
 
 /// Exact boxes of the triangles below a node; each has to lie in the planes that its parent has.
@@ -89,13 +57,6 @@ TEST(PackCwbvh, BoundsExactBoxesByPlanes) {
   }
 }
 
-TEST(PackCwbvh, AnEmptyMeshHasNoNodes) {
-  const Cwbvh bvh = pack(test::empty_mesh());
-  EXPECT_TRUE(bvh.nodes.empty());
-  EXPECT_TRUE(bvh.bounds.is_empty());
-  EXPECT_EQ(bvh.bytes(), 0u);
-}
-
 TEST(PackCwbvh, OneTriangleIsALeafBelowTheRoot) {
   const Cwbvh bvh = pack(test::one_triangle());
   ASSERT_EQ(bvh.nodes.size(), 1u);
@@ -104,41 +65,6 @@ TEST(PackCwbvh, OneTriangleIsALeafBelowTheRoot) {
   EXPECT_EQ(bvh.nodes[0].node_mask, 0);
   EXPECT_EQ(bvh.depth, 1u);
   EXPECT_EQ(compute_statistics(bvh, {}).sah, 1.0);
-}
-
-TEST(PackCwbvh, KeepsEachFaceOnceInALeafThatHoldsItTwice) {
-  const test::OwnedMesh mesh = test::two_triangles();
-  References references = create_references(mesh.view());
-  Array<Reference> repeated(4);
-  for (std::size_t i = 0; i < 4; ++i) repeated[i] = references.items[i / 2];
-  references.items = std::move(repeated);
-  references.may_repeat_faces = true;
-  const Cwbvh bvh = pack_cwbvh(build_lbvh(references), references, mesh.view(), {});
-  ASSERT_EQ(bvh.triangles.size(), 2u);
-  EXPECT_EQ((std::set{bvh.triangles[0].face, bvh.triangles[1].face}), (std::set{0u, 1u}));
-}
-
-TEST(PackCwbvh, GivesTheSameBytesForAnyNumberOfThreads) {
-  const test::OwnedMesh mesh = test::triangle_soup(30000, 8);  // several parts below the cut
-  const Cwbvh expected = pack(mesh);
-  EXPECT_EQ(validate(expected, mesh.view()), Sentences{});
-  for (const unsigned threads : {1u, 2u, 3u, 7u}) {
-    const test::ThreadCountScope scope(threads);
-    EXPECT_TRUE(test::equal_bytes(pack(mesh), expected));
-  }
-}
-
-TEST(PackCwbvh, OfAChainIsSound) {
-  const test::OwnedMesh mesh = test::triangle_soup(6000, 9);
-  const References references = create_references(mesh.view());
-  const Cwbvh bvh = pack_cwbvh(test::chain_tree(references), references, mesh.view(), {});
-  EXPECT_EQ(validate(bvh, mesh.view()), Sentences{});
-}
-
-TEST(PackCwbvh, RefusesLeavesThatItsNodesCannotName) {
-  for (const std::uint32_t leaf_limit : {0u, 4u}) {
-    EXPECT_THROW(pack(test::one_triangle(), {.leaf_limit = leaf_limit}), std::invalid_argument);
-  }
 }
 
 TEST(PackCwbvh, TakesFewBytesATriangle) {
@@ -196,13 +122,7 @@ TEST(ValidateCwbvh, FindsWhatIsBroken) {
   EXPECT_EQ(broken_by([](Cwbvh& bvh) { bvh.depth = 0; }), "the tree is deeper than its depth says");
 }
 
-TEST(EpoOfCwbvh, IsZeroForSeparatedTrianglesAndNearThatOfExactBoxes) {
-  test::OwnedMesh apart;
-  for (int i = 0; i < 64; ++i) {
-    const float x = float(3 * i);
-    apart.add({x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0});
-  }
-  EXPECT_EQ(compute_epo(pack(apart, {.leaf_limit = 1}), {}), 0.0);
+TEST(EpoOfCwbvh, IsNearThatOfExactBoxes) {
   const test::OwnedMesh mesh = test::triangle_soup(500, 3);
   const References references = create_references(mesh.view());
   const BinaryTree tree = build_lbvh(references);

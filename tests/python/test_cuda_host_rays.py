@@ -5,14 +5,14 @@ import pytest
 from device_arrays import build, on_device
 
 import treelet
-from treelet import cuda, device_bvh
+from treelet import _device_queries, cuda
 
 pytestmark = pytest.mark.skipif(not cuda.is_available(), reason="no CUDA device")
 
 
 @pytest.fixture(params=[2**28, 20_000, 1000], ids=["one chunk", "some chunks", "many chunks"])
 def streamed_bytes(request, monkeypatch):
-    monkeypatch.setattr(device_bvh, "_STREAMED_BYTES", request.param)
+    monkeypatch.setattr(_device_queries, "_STREAMED_BYTES", request.param)
 
 
 def assert_same(ours, expected):
@@ -55,7 +55,7 @@ def test_shapes_and_limits_are_those_of_the_host(soup, rays):
 
 
 def test_memory_mapped_files(soup, rays, tmp_path, monkeypatch):
-    monkeypatch.setattr(device_bvh, "_STREAMED_BYTES", 10_000)
+    monkeypatch.setattr(_device_queries, "_STREAMED_BYTES", 10_000)
     mapped = []
     for name, part in zip(("origins", "directions"), rays, strict=True):
         np.save(tmp_path / name, part)

@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from test_tools import ROOT, load_tool
+from loaded_tools import ROOT, load_tool
 
 from treelet import scenes
 
@@ -87,6 +87,13 @@ def test_answers_of_the_harness_become_measurements():
     [measurement] = run.read_answer(json.dumps(line | {"details": {"differing": 0}}), "city", 12)
     assert (measurement.scene, measurement.faces, measurement.rays_per_second) == ("city", 12, 4.5)
     assert measurement.machine["cores"] >= 1
+
+
+def test_a_harness_that_is_not_there_is_an_error(tmp_path, capsys):
+    for harness in (tmp_path / "missing", tmp_path):
+        with pytest.raises(SystemExit, match="2"):
+            run.main(["sphere", f"--harness={harness}", f"--out={tmp_path}"])
+        assert f"--harness {harness} is no program" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the stand-in harness is a shell script")

@@ -1,21 +1,10 @@
 """The checks of ``make lint`` find what they are there to find, and nothing else."""
 
-import importlib.util
 import sys
 from pathlib import Path
-from types import ModuleType
 
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def load_tool(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
+from loaded_tools import ROOT, load_tool
 
 check_layers = load_tool("check_layers")
 check_sizes = load_tool("check_sizes")

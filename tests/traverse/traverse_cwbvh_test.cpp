@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "support/aimed_rays.h"
 #include "support/exact_ray.h"
 #include "support/grid_cases.h"
 #include "support/mesh_rays.h"
@@ -52,14 +53,7 @@ TEST(TraverseCwbvh, AnswersLikeBruteForce) {
 
 TEST(TraverseCwbvh, AnswersLikeBruteForceToRaysThatGraze) {
   for (const test::Aim aim : test::kAims) {
-    test::Random random(8);
-    test::OwnedMesh mesh;
-    std::vector<Ray> rays;
-    for (int i = 0; i < 500; ++i) {
-      const auto& [triangle, ray] = test::random_case(random, aim);
-      mesh.add(triangle.p0, triangle.p1, triangle.p2);
-      rays.push_back(ray);
-    }
+    const auto [mesh, rays] = test::AimedRays(aim, 500, 8);
     const Cwbvh bvh = pack(mesh);
     Tracer<Cwbvh> tracer(bvh);
     for (std::size_t i = 0; i < rays.size(); ++i) {

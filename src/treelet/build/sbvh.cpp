@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include <treelet/build/spaced_tree.h>
 #include <treelet/build/split_planes.h>
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
-#include <treelet/primitive/radix_sort.h>
 #include <treelet/primitive/split_steps.h>
 #include <treelet/tree/refit.h>
 
@@ -21,8 +21,7 @@
 //     left   |refs.....|free|              the free places go to the halves by their references
 //     right                 |refs......|free|
 //
-// The pair of a node's children is numbered by the place where the right one begins, which no other
-// node has; at the end places without a reference are left out of all numbers.
+// At the end places without a reference are left out (build/spaced_tree.h).
 
 namespace treelet {
 namespace {
@@ -36,13 +35,6 @@ struct Range {
 
   std::uint32_t count() const { return end - begin; }
   std::uint32_t spare() const { return limit - end; }
-};
-
-/// A node on its way: what it owns, and where its right child begins; a leaf has none.
-struct Outline {
-  static constexpr std::uint32_t kLeaf = 0;  // nothing right of a plane begins at the first place
-
-  std::uint32_t begin, limit, right_begin;
 };
 
 /// The halves of a range, to be laid out.
@@ -64,36 +56,22 @@ class SbvhBuilder {
         config_(config),
         least_overlap_(config.scene_overlap * half_area(references.bounds)),
         count_(std::uint32_t(references.size())),
-        items_(capacity(references.size(), config.budget)),
-        outlines_(2 * items_.size()),
-        is_used_(items_.size(), 0) {
+        spaced_(capacity(references.size(), config.budget)) {
     parallel_for(count_, kSerialReferences, [&](std::size_t i) {
       const Reference& item = references.items[i];
-      items_[i] = references.may_repeat_faces ? item : with_box(item, triangle(item).bounds());
+      spaced_.items[i] =
+          references.may_repeat_faces ? item : with_box(item, triangle(item).bounds());
     });
   }
 
   void run() {
-    std::vector<Range> level{{0, count_, std::uint32_t(items_.size()), kRoot, true}};
+    std::vector<Range> level{{0, count_, std::uint32_t(spaced_.items.size()), kRoot, true}};
     while (!level.empty()) level = process_level(level);
   }
 
-  /// Takes the references of the leaves, in the order of faces, and makes the tree over them.
   BinaryTree finish(References& references) const {
-    const Places places = number_places();
-    references.items = Array<Reference>(places.total());
-    references.may_repeat_faces = references.may_repeat_faces || places.total() > count_;
-    BinaryTree tree(places.total());
-    parallel_for(items_.size(), kSerialReferences, [&](std::size_t place) {
-      if (is_used_[place]) references.items[places.reference[place]] = items_[place];
-    });
-    emit(kRoot, kRoot, places, tree);
-    parallel_for(items_.size(), kSerialReferences, [&](std::size_t place) {
-      if (place == 0 || !is_used_[place]) return;
-      const std::uint32_t from = std::uint32_t(2 * place), to = 2 * places.rank[place];
-      emit(from, to, places, tree);
-      emit(from + 1, to + 1, places, tree);
-    });
+    BinaryTree tree = spaced_.close_gaps(references);
+    references.may_repeat_faces = references.may_repeat_faces || references.size() > count_;
     refit(tree, references);
     return tree;
   }
@@ -133,8 +111,7 @@ class SbvhBuilder {
       const Range top = stack.back();
       stack.pop_back();
       if (top.count() == 1) {
-        outlines_[top.slot] = {top.begin, top.limit, Outline::kLeaf};
-        is_used_[top.begin] = 1;
+        spaced_.set_leaf(top.slot, top.begin, top.limit);
         continue;
       }
       const std::array<Range, 2> children = split(top, halves);
@@ -144,7 +121,7 @@ class SbvhBuilder {
   }
 
   std::array<Range, 2> split(const Range& range, Halves& halves) {
-    const std::span<const Reference> references(&items_[range.begin], range.count());
+    const std::span<const Reference> references(&spaced_.items[range.begin], range.count());
     const ObjectSplit object = find_object_split(references);
     halves.clear();
     const Aabb box = bound(references);
@@ -242,55 +219,19 @@ class SbvhBuilder {
     const std::uint64_t spare = range.limit - range.begin - left - right;
     const std::uint32_t left_spare = std::uint32_t(spare * left / (left + right));
     const std::uint32_t right_begin = range.begin + left + left_spare;
-    std::copy(halves.left.begin(), halves.left.end(), &items_[range.begin]);
-    std::copy(halves.right.begin(), halves.right.end(), &items_[right_begin]);
-    outlines_[range.slot] = {range.begin, range.limit, right_begin};
-    return {Range{range.begin, range.begin + left, right_begin, 2 * right_begin, may_split},
-            Range{right_begin, right_begin + right, range.limit, 2 * right_begin + 1, may_split}};
-  }
-
-  /// New numbers of the places that hold the reference of a leaf.
-  struct Places {
-    std::vector<std::uint32_t> rank;  // from left to right; behind the last, how many there are
-    std::vector<std::uint32_t> reference;  // by face
-
-    std::uint32_t total() const { return rank.back(); }
-  };
-
-  Places number_places() const {
-    Places places;
-    places.rank.assign(items_.size() + 1, 0);
-    places.reference.assign(items_.size(), 0);
-    for (std::size_t place = 0; place < items_.size(); ++place) {
-      places.rank[place + 1] = places.rank[place] + is_used_[place];
-    }
-    Array<SortEntry> by_face(places.total());
-    for (std::size_t place = 0; place < items_.size(); ++place) {
-      if (!is_used_[place]) continue;
-      by_face[places.rank[place]] = {items_[place].face, std::uint32_t(place)};
-    }
-    radix_sort(by_face);
-    for (std::uint32_t i = 0; i < by_face.size(); ++i) places.reference[by_face[i].value] = i;
-    return places;
-  }
-
-  void emit(std::uint32_t from, std::uint32_t to, const Places& places, BinaryTree& tree) const {
-    const Outline& outline = outlines_[from];
-    if (outline.right_begin == Outline::kLeaf) {
-      tree.nodes[to] = {{}, places.reference[outline.begin], {}, 1};
-      return;
-    }
-    const std::uint32_t count = places.rank[outline.limit] - places.rank[outline.begin];
-    tree.nodes[to] = {{}, 2 * places.rank[outline.right_begin], {}, count};
+    std::copy(halves.left.begin(), halves.left.end(), &spaced_.items[range.begin]);
+    std::copy(halves.right.begin(), halves.right.end(), &spaced_.items[right_begin]);
+    const std::uint32_t left_slot =
+        spaced_.set_internal(range.slot, range.begin, range.limit, right_begin);
+    return {Range{range.begin, range.begin + left, right_begin, left_slot, may_split},
+            Range{right_begin, right_begin + right, range.limit, left_slot + 1, may_split}};
   }
 
   const SplitSource source_;
   const SbvhConfig& config_;
   const float least_overlap_;
   const std::uint32_t count_;
-  Array<Reference> items_;
-  Array<Outline> outlines_;      // by slot
-  Array<std::uint8_t> is_used_;  // by place: holds the reference of a leaf
+  SpacedTree spaced_;
 };
 
 void check(const SbvhConfig& config) {

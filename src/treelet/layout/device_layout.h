@@ -28,44 +28,26 @@ struct LayoutSummary {
   std::uint32_t hidden;  ///< triangles that the last refit had to hide (layout/refit_layout.h)
 };
 
-/// A Bvh2 in device memory that somebody else owns.
-struct DeviceBvh2 {
-  using Node = Bvh2Node;
-  using Item = PackedTriangle;
+/// A packed tree in device memory that somebody else owns.
+template <class NodeOf, class ItemOf>
+struct DeviceLayout {
+  using Node = NodeOf;
+  using Item = ItemOf;
   static constexpr std::uint32_t kMaxItems = 0xffffffff;
 
-  Bvh2Node* nodes = nullptr;
-  PackedTriangle* items = nullptr;  ///< triangles in leaf order
+  Node* nodes = nullptr;
+  Item* items = nullptr;  ///< in leaf order
   std::uint32_t node_capacity = 0;
   std::uint32_t item_capacity = 0;
   LayoutSummary* summary = nullptr;
 };
 
-/// A Bvh8 in device memory that somebody else owns.
-struct DeviceBvh8 {
-  using Node = Bvh8Node;
-  using Item = TriangleBlock;
+// Types of their own, whose names are those of kernels, too.
+struct DeviceBvh2 : DeviceLayout<Bvh2Node, PackedTriangle> {};
+struct DeviceBvh8 : DeviceLayout<Bvh8Node, TriangleBlock> {
   static constexpr std::uint32_t kMaxItems = WideChild::kMaxBlockIndex;
-
-  Bvh8Node* nodes = nullptr;
-  TriangleBlock* items = nullptr;  ///< blocks in leaf order
-  std::uint32_t node_capacity = 0;
-  std::uint32_t item_capacity = 0;
-  LayoutSummary* summary = nullptr;
 };
-
-/// A Cwbvh in device memory that somebody else owns.
-struct DeviceCwbvh {
-  using Node = CwbvhNode;
-  using Item = CwbvhTriangle;
-  static constexpr std::uint32_t kMaxItems = 0xffffffff;
-
-  CwbvhNode* nodes = nullptr;
-  CwbvhTriangle* items = nullptr;  ///< triangles in leaf order
-  std::uint32_t node_capacity = 0;
-  std::uint32_t item_capacity = 0;
-  LayoutSummary* summary = nullptr;
-};
+struct DeviceCwbvh : DeviceLayout<CwbvhNode, CwbvhTriangle> {};
 
 /// Owns the arrays of one of these.
 template <class Layout>
@@ -76,8 +58,8 @@ class LayoutStorage {
       : nodes_(node_capacity, stream), items_(item_capacity, stream), summary_(1, stream) {}
 
   Layout view() {
-    return {nodes_.data(), items_.data(), std::uint32_t(nodes_.size()),
-            std::uint32_t(items_.size()), summary_.data()};
+    return {{nodes_.data(), items_.data(), std::uint32_t(nodes_.size()),
+             std::uint32_t(items_.size()), summary_.data()}};
   }
   std::size_t bytes() const { return nodes_.bytes() + items_.bytes(); }
   void free_on(Stream stream) {
