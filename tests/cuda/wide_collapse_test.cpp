@@ -29,8 +29,8 @@ void expect_equal(const BinaryTree& tree, const Array<WideEntry>& entries,
   for (std::size_t slot = 0; slot < tree.nodes.size(); ++slot) {
     if (slot == 1 || tree.nodes[slot].is_leaf()) continue;
     const std::size_t pair = tree.nodes[slot].left() / 2;
-    ASSERT_EQ(std::memcmp(&entries[pair].decision, &collapse.by_pair[pair], sizeof(WideDecision)),
-              0)
+    const WideDecision& expected = collapse.by_slot[slot].decision;
+    ASSERT_EQ(std::memcmp(&entries[pair].decision, &expected, sizeof(expected)), 0)
         << "slot " << slot;
   }
   if (tree.reference_count() < 2) return;

@@ -5,6 +5,7 @@
 #include <treelet/build/lbvh.h>
 #include <treelet/layout/pack_cwbvh.h>
 #include <treelet/layout/wide_collapse_lanes.h>
+#include <treelet/layout/wide_collapse_steps.h>
 
 #include <algorithm>
 #include <cstring>
@@ -13,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "support/isas.h"
 #include "support/meshes.h"
 #include "support/random.h"
 #include "support/trees.h"
@@ -69,9 +71,9 @@ class Oracle {
 /// What the chosen children cost, all the way down.
 double cost_of_choices(const BinaryTree& tree, const WideCollapse& collapse, Oracle& oracle,
                        const WideCostModel& model, std::uint32_t slot) {
-  if (collapse.decision(tree.nodes[slot]).is_leaf) return oracle.as_leaf(slot);
+  if (collapse.is_leaf(slot)) return oracle.as_leaf(slot);
   double cost = double(model.node_cost) * half_area(tree.nodes[slot].box());
-  for (const std::uint32_t child : list_wide_children(tree, collapse, slot)) {
+  for (const std::uint32_t child : list_wide_children(collapse, slot)) {
     cost += cost_of_choices(tree, collapse, oracle, model, child);
   }
   return cost;
@@ -111,25 +113,30 @@ WideChoice random_choice(test::Random& random) {
 }
 
 WideCosts side_by_side(const WideChoice& choice) {
-  WideCosts costs(0.0f);
-  for (int i = 0; i < 4; ++i) costs.few[i] = choice.cost(i + 1);
-  for (int i = 0; i < 3; ++i) costs.many[i] = choice.cost(i + 5);
+  WideCosts costs;
+  costs.set_leaf(0.0f);
+  std::copy_n(choice.costs, 7, costs.at_most);
   return costs;
 }
 
 TEST(WideCollapse, ChoosesSideBySideAsOneByOne) {
+  const WideCostModel model;
   test::Random random(2026);
   for (int i = 0; i < 100'000; ++i) {
     const WideChoice left = random_choice(random), right = random_choice(random);
     const float half_area = random.uniform(0.1f, 4.0f);
     const std::uint32_t count = 2 + std::uint32_t(random.below(19));
     const WideChoice expected = choose_internal(half_area, count, left, right, {});
-    WideCosts costs;
-    const WideDecision decision =
-        choose_side_by_side(half_area, count, side_by_side(left), side_by_side(right), {}, costs);
-    ASSERT_EQ(std::memcmp(&decision, &expected.decision, sizeof(decision)), 0);
-    for (int children = 1; children < WideChoice::kWidth; ++children) {
-      ASSERT_EQ(costs[children], expected.cost(children)) << children << " children";
+    for (const Isa isa : test::runnable_isas()) {
+      WideCosts costs;
+      const WideDecision decision =
+          wide_chooser(isa)(wide_leaf_cost(half_area, count, model), model.node_cost * half_area,
+                            side_by_side(left), side_by_side(right), costs);
+      ASSERT_EQ(std::memcmp(&decision, &expected.decision, sizeof(decision)), 0);
+      for (int children = 1; children < WideChoice::kWidth; ++children) {
+        ASSERT_EQ(costs[children], expected.cost(children)) << children << " children";
+      }
+      ASSERT_EQ(costs[8], WideCosts::kInfinity);
     }
   }
 }
@@ -144,7 +151,7 @@ TEST(WideCollapse, ChildrenAreAtMostEightAndPartitionTheSubtree) {
   while (!stack.empty()) {
     const std::uint32_t slot = stack.back();
     stack.pop_back();
-    const WideChildren children = list_wide_children(tree, collapse, slot);
+    const WideChildren children = list_wide_children(collapse, slot);
     ASSERT_GE(children.count, 2u);
     ASSERT_LE(children.count, 8u);
     ++nodes;
@@ -152,7 +159,7 @@ TEST(WideCollapse, ChildrenAreAtMostEightAndPartitionTheSubtree) {
     std::uint32_t references_below = 0;
     for (const std::uint32_t child : children) {
       references_below += tree.nodes[child].count;
-      if (!collapse.decision(tree.nodes[child]).is_leaf) stack.push_back(child);
+      if (!collapse.is_leaf(child)) stack.push_back(child);
     }
     ASSERT_EQ(references_below, tree.nodes[slot].count);
   }
@@ -163,8 +170,7 @@ TEST(WideCollapse, ARootThatWouldBeALeafIsItsOnlyChild) {
   const test::OwnedMesh mesh = test::one_triangle();
   const References references = create_references(mesh.view());
   const BinaryTree tree = build_lbvh(references);
-  const WideChildren children =
-      list_wide_children(tree, collapse_wide(tree, references, {}), kRoot);
+  const WideChildren children = list_wide_children(collapse_wide(tree, references, {}), kRoot);
   ASSERT_EQ(children.count, 1u);
   EXPECT_EQ(children.slots[0], kRoot);
 }

@@ -7,7 +7,6 @@
 #include <treelet/layout/face_counts.h>
 #include <treelet/layout/leaf_collapse_steps.h>
 #include <treelet/tree/bottom_up.h>
-#include <treelet/tree/refit.h>
 
 namespace treelet {
 namespace {
@@ -21,7 +20,7 @@ class CollapseStep {
       : tree_(tree), sah_(sah), faces_(tree, references), costs_(tree.nodes.size()) {
     const std::size_t slots = tree.nodes.size();
     collapse_ = {Array<std::uint8_t>(slots), Array<std::uint32_t>(slots),
-                 Array<std::uint32_t>(slots)};
+                 Array<std::uint32_t>(slots), 0.0};
   }
 
   void start_leaf(std::size_t slot) {
@@ -49,10 +48,11 @@ class CollapseStep {
       if (tree_.nodes[slot].is_leaf()) start_leaf(slot);
     });
     visit_bottom_up(tree_, kAllInternal, [&](std::uint32_t slot) { decide(slot); });
+    const double root_area = tree_.empty() ? 0.0 : half_area(tree_.nodes[kRoot].box());
+    if (root_area > 0.0) collapse_.sah = costs_[kRoot] / root_area;
   }
 
   LeafCollapse take() { return std::move(collapse_); }
-  double root_cost() const { return costs_[kRoot]; }
 
  private:
   void set(std::size_t slot, bool is_leaf, std::uint32_t nodes, std::uint32_t triangles) {
@@ -80,12 +80,7 @@ LeafCollapse collapse_leaves(const BinaryTree& tree, const References& reference
 
 double collapsed_sah_cost(const BinaryTree& tree, const References& references,
                           const SahModel& sah) {
-  if (!references.may_repeat_faces || tree.empty()) return sah_cost(tree, sah);
-  const double root_area = half_area(tree.nodes[kRoot].box());
-  if (!(root_area > 0.0)) return 0.0;
-  CollapseStep step(tree, references, sah);
-  step.run();
-  return step.root_cost() / root_area;
+  return collapse_leaves(tree, references, sah).sah;
 }
 
 void LeafFaces::append_references(std::uint32_t root, std::vector<std::uint32_t>& references) {
@@ -108,15 +103,20 @@ void LeafFaces::append_references(std::uint32_t root, std::vector<std::uint32_t>
 std::uint32_t LeafFaces::append(std::uint32_t root, std::vector<std::uint32_t>& faces) {
   const std::size_t begin = faces.size();
   append_references(root, faces);
+  return look_up_once(references_, faces, begin);
+}
+
+std::uint32_t look_up_once(const References& references, std::vector<std::uint32_t>& numbers,
+                           std::size_t begin) {
   std::size_t end = begin;
-  for (std::size_t i = begin; i < faces.size(); ++i) {
-    const std::uint32_t face = references_.face(faces[i]);
-    const auto first = faces.begin() + std::ptrdiff_t(begin),
-               last = faces.begin() + std::ptrdiff_t(end);
-    const bool is_repeated = references_.may_repeat_faces && std::find(first, last, face) != last;
-    if (!is_repeated) faces[end++] = face;
+  for (std::size_t i = begin; i < numbers.size(); ++i) {
+    const std::uint32_t face = references.face(numbers[i]);
+    const auto first = numbers.begin() + std::ptrdiff_t(begin),
+               last = numbers.begin() + std::ptrdiff_t(end);
+    const bool is_repeated = references.may_repeat_faces && std::find(first, last, face) != last;
+    if (!is_repeated) numbers[end++] = face;
   }
-  faces.resize(end);
+  numbers.resize(end);
   return std::uint32_t(end - begin);
 }
 

@@ -16,6 +16,7 @@ struct LeafCollapse {
   Array<std::uint8_t> is_leaf;          ///< by slot
   Array<std::uint32_t> node_count;      ///< by slot: internal nodes left in the subtree
   Array<std::uint32_t> triangle_count;  ///< by slot: triangles, a leaf's duplicates dropped
+  double sah = 0.0;                     ///< cost of a random ray: collapsed_sah_cost
 };
 
 /// Turns a subtree into one leaf where that lowers the SAH cost [KarrasAila2013 s3.1]. Only slots
@@ -52,6 +53,11 @@ class LeafFaces {
   const References& references_;
   std::vector<std::uint32_t> stack_, faces_;
 };
+
+/// Turns the numbers of a leaf's references, from `begin` on, into its faces, each once; returns
+/// how many they are.
+std::uint32_t look_up_once(const References& references, std::vector<std::uint32_t>& numbers,
+                           std::size_t begin);
 
 /// Turns numbers of references into faces: many at once, as each may be a miss of the cache.
 void look_up_faces(const References& references, std::span<std::uint32_t> numbers);

@@ -6,7 +6,6 @@
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
 #include <treelet/layout/leaf_box.h>
-#include <treelet/layout/leaf_collapse.h>
 #include <treelet/tree/bottom_up.h>
 
 namespace treelet {
@@ -141,11 +140,15 @@ class Bvh2Packer {
 
 }  // namespace
 
-Bvh2 pack_bvh2(const BinaryTree& tree, const References& references, const Mesh& mesh,
-               const SahModel& sah) {
-  const LeafCollapse collapse = collapse_leaves(tree, references, sah);
+Bvh2 lay_out_bvh2(const BinaryTree& tree, const References& references, const Mesh& mesh,
+                  const LeafCollapse& collapse) {
   const Stage stage{"pack bvh2"};
   return Bvh2Packer(tree, references, mesh, collapse).pack();
+}
+
+Bvh2 pack_bvh2(const BinaryTree& tree, const References& references, const Mesh& mesh,
+               const SahModel& sah) {
+  return lay_out_bvh2(tree, references, mesh, collapse_leaves(tree, references, sah));
 }
 
 }  // namespace treelet

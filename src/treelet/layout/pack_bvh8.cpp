@@ -183,7 +183,7 @@ void write_bvh8(const Bvh8Plan& plan, const Mesh& mesh, Bvh8& bvh) {
 Bvh8 pack_bvh8(const BinaryTree& tree, const References& references, const Mesh& mesh,
                const WideCostModel& model) {
   check_bvh8_model(model);
-  const Bvh8Plan plan = plan_bvh8(tree, references, collapse_wide(tree, references, model));
+  const Bvh8Plan plan = plan_bvh8(collapse_wide(tree, references, model), references, tree);
   Bvh8 bvh = allocate_bvh8(plan);
   write_bvh8(plan, mesh, bvh);
   return bvh;

@@ -45,11 +45,9 @@ struct Source {
   const WideCollapse& collapse;
   const LeafBoxes& leaf_boxes;
 
-  bool is_leaf(std::uint32_t slot) const {
-    return collapse.decision(tree.nodes[slot]).is_leaf != 0;
-  }
+  bool is_leaf(std::uint32_t slot) const { return collapse.is_leaf(slot); }
   CwbvhChildren children(std::uint32_t slot) const {
-    const WideChildren listed = list_wide_children(tree, collapse, slot);
+    const WideChildren listed = list_wide_children(collapse, slot);
     return arrange_children(listed.slots.data(), int(listed.count), tree.nodes[slot].box(),
                             [this](std::uint32_t child) { return tree.nodes[child].box(); });
   }
@@ -270,16 +268,19 @@ WideCostModel CwbvhCostModel::checked() const {
           .block_size = 1};
 }
 
-Cwbvh pack_cwbvh(const BinaryTree& tree, const References& references, const Mesh& mesh,
-                 const CwbvhCostModel& model) {
-  const WideCostModel wide = model.checked();
+Cwbvh lay_out_cwbvh(const BinaryTree& tree, const References& references, const Mesh& mesh,
+                    const WideCollapse& collapse) {
   if (tree.empty()) return {};
-  const WideCollapse collapse = collapse_wide(tree, references, wide);
   const Stage stage{"pack cwbvh"};
   const LeafBoxes leaf_boxes(tree, references, mesh);
   const Source source{tree, references, mesh, collapse, leaf_boxes};
   std::vector<Part> parts = cut_into_parts(source);
   return pack_parts(source, parts);
+}
+
+Cwbvh pack_cwbvh(const BinaryTree& tree, const References& references, const Mesh& mesh,
+                 const CwbvhCostModel& model) {
+  return lay_out_cwbvh(tree, references, mesh, collapse_wide(tree, references, model.checked()));
 }
 
 }  // namespace treelet

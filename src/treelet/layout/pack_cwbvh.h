@@ -21,8 +21,12 @@ struct CwbvhCostModel {
   WideCostModel checked() const;
 };
 
-/// Collapses to eight children a node, puts them into slots and compresses their boxes
+/// Puts the children of collapsed nodes into slots and compresses their boxes
 /// [YlitieKarrasLaine2017 s3].
+Cwbvh lay_out_cwbvh(const BinaryTree& tree, const References& references, const Mesh& mesh,
+                    const WideCollapse& collapse);
+
+/// Collapses to eight children a node and lays out.
 Cwbvh pack_cwbvh(const BinaryTree& tree, const References& references, const Mesh& mesh,
                  const CwbvhCostModel& model);
 

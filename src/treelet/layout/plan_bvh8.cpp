@@ -11,26 +11,20 @@
 #include <treelet/layout/leaf_collapse.h>
 #include <treelet/layout/wide_collapse_steps.h>
 #include <treelet/primitive/power_of_two.h>
-#include <treelet/tree/bottom_up.h>
 
 namespace treelet {
 namespace {
 
-/// What one thread needs to read the tree with.
+/// What one thread needs to read the collapse with.
 struct Source {
-  const BinaryTree& tree;
-  const References& references;
   const WideCollapse& collapse;
+  const References& references;
+  const BinaryTree& tree;
   const double scale = power_of_two(references.scale_exponent);
-
-  bool is_leaf(std::uint32_t slot) const { return collapse.decision(tree.nodes[slot]).is_leaf; }
-  WideChildren children(std::uint32_t slot) const {
-    return list_wide_children(tree, collapse, slot);
-  }
 };
 
 /// Cuts the tree into parts in depth-first order.
-std::vector<Bvh8Part> cut_into_parts(const Source& source) {
+std::vector<Bvh8Part> cut_into_parts(const WideCollapse& collapse) {
   std::vector<Bvh8Part> parts, stack{{kRoot, 0, 0, 1, true}};
   while (!stack.empty()) {
     const Bvh8Part part = stack.back();
@@ -38,11 +32,10 @@ std::vector<Bvh8Part> cut_into_parts(const Source& source) {
     const std::uint32_t index = std::uint32_t(parts.size());
     parts.push_back(part);
     if (!part.is_top) continue;
-    const WideChildren children = source.children(part.slot);
+    const WideChildren children = list_wide_children(collapse, part.slot);
     for (std::size_t i = children.count; i-- > 0;) {
       const std::uint32_t slot = children.slots[i];
-      const bool is_top =
-          !source.is_leaf(slot) && source.tree.nodes[slot].count > kSubtreeReferences;
+      const bool is_top = !collapse.is_leaf(slot) && collapse.is_large(slot);
       stack.push_back({slot, index, int(i), part.depth + 1, is_top});
     }
   }
@@ -53,16 +46,12 @@ std::vector<Bvh8Part> cut_into_parts(const Source& source) {
 class Planner {
  public:
   Planner(const Source& source, Bvh8Part& part)
-      : source_(source),
-        has_pieces_(source.references.may_repeat_faces),
-        part_(part),
-        size_(part.size),
-        faces_(source.tree, source.references) {}
+      : source_(source), entries_(source.collapse.by_slot.data()), part_(part), size_(part.size) {}
 
   void plan() {
     if (part_.is_top) return plan_top();
     walk();
-    if (!has_pieces_) look_up_faces(source_.references, part_.faces);
+    if (!has_pieces()) look_up_faces(source_.references, part_.faces);
   }
 
  private:
@@ -70,13 +59,14 @@ class Planner {
     std::uint32_t slot, depth;
   };
 
+  bool has_pieces() const { return source_.references.may_repeat_faces; }
+
   void walk() {
-    fetch();
     std::vector<Item> stack{{part_.slot, 1}};
     while (!stack.empty()) {
       const Item item = stack.back();
       stack.pop_back();
-      if (source_.is_leaf(item.slot)) {
+      if (entries_[item.slot].decision.is_leaf) {
         add_leaf(item.slot);
         continue;
       }
@@ -91,46 +81,51 @@ class Planner {
   /// leaf has that leaf for a child.
   void plan_top() { add_node({part_.slot, 1}); }
 
-  /// Breadth first, so that the walk in depth finds the nodes in the cache.
-  void fetch() {
-    std::vector<std::uint32_t> nodes;
-    list_internal_nodes(source_.tree, part_.slot, kAllInternal, nodes);
-  }
-
   WideChildren add_node(const Item& item) {
     ++size_.nodes;
     size_.depth = std::max(size_.depth, item.depth);
-    const WideChildren children = source_.children(item.slot);
+    const WideChildren children = list_wide_children(source_.collapse, item.slot);
     unsigned leaf_mask = 0;
     for (std::size_t i = 0; i < children.count; ++i) {
-      leaf_mask |= unsigned(source_.is_leaf(children.slots[i])) << i;
+      leaf_mask |= unsigned(entries_[children.slots[i]].decision.is_leaf) << i;
     }
     part_.nodes.push_back({std::uint8_t(children.count), std::uint8_t(leaf_mask)});
     return children;
   }
 
   void add_leaf(std::uint32_t slot) {
-    const std::uint32_t triangles = append_faces(slot);
-    part_.leaf_sizes.push_back(std::uint8_t(triangles));
-    if (has_pieces_) {
+    const std::size_t begin = part_.faces.size();
+    append_references(slot);
+    if (has_pieces()) {
+      look_up_once(source_.references, part_.faces, begin);
       part_.regions.push_back(to_mesh_units(source_.tree.nodes[slot].box(), source_.scale));
     }
+    const std::uint32_t triangles = std::uint32_t(part_.faces.size() - begin);
+    part_.leaf_sizes.push_back(std::uint8_t(triangles));
     size_.triangles += triangles;
     size_.blocks += blocks_for(triangles);
   }
 
-  /// Faces of a leaf; where none is split, first of all its references.
-  std::uint32_t append_faces(std::uint32_t slot) {
-    if (has_pieces_) return faces_.append(slot, part_.faces);
-    faces_.append_references(slot, part_.faces);
-    return source_.tree.nodes[slot].count;
+  /// Those of a leaf, from left to right; what they are pieces of is looked up later.
+  void append_references(std::uint32_t leaf) {
+    waiting_.assign(1, leaf);
+    while (!waiting_.empty()) {
+      const CollapsedNode& entry = entries_[waiting_.back()];
+      waiting_.pop_back();
+      if (entry.decision.is_reference()) {
+        part_.faces.push_back(entry.index);
+      } else {
+        waiting_.push_back(entry.index + 1);
+        waiting_.push_back(entry.index);
+      }
+    }
   }
 
   const Source& source_;
-  const bool has_pieces_;
+  const CollapsedNode* const entries_;
   Bvh8Part& part_;
   Bvh8Extent& size_;
-  LeafFaces faces_;
+  std::vector<std::uint32_t> waiting_;
 };
 
 /// Gives every part its place, in order.
@@ -153,12 +148,12 @@ Bvh8Extent place(std::vector<Bvh8Part>& parts) {
 
 }  // namespace
 
-Bvh8Plan plan_bvh8(const BinaryTree& tree, const References& references,
-                   const WideCollapse& collapse) {
-  if (tree.empty()) return {};
+Bvh8Plan plan_bvh8(const WideCollapse& collapse, const References& references,
+                   const BinaryTree& tree) {
+  if (collapse.empty()) return {};
   const Stage stage{"plan bvh8"};
-  const Source source{tree, references, collapse};
-  Bvh8Plan plan{cut_into_parts(source), {}};
+  const Source source{collapse, references, tree};
+  Bvh8Plan plan{cut_into_parts(collapse), {}};
   parallel_for(plan.parts.size(), 1, [&](std::size_t i) { Planner(source, plan.parts[i]).plan(); });
   plan.size = place(plan.parts);
   return plan;

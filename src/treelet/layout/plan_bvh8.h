@@ -25,7 +25,7 @@ struct PlannedNode {
 /// A piece of the layout that one task writes: a single node above the cut, or a whole subtree
 /// below it, its nodes and leaves depth first.
 struct Bvh8Part {
-  std::uint32_t slot;    ///< of the binary tree, while planning
+  std::uint32_t slot;    ///< of the collapse, while planning
   std::uint32_t parent;  ///< part; of no meaning for the root, which is part 0
   int child;             ///< of the parent
   std::uint32_t depth;   ///< of its first node
@@ -37,14 +37,16 @@ struct Bvh8Part {
   std::vector<Aabb> regions{};         ///< of leaves of pieces: their boxes lie in these
 };
 
-/// All that writing a Bvh8 needs besides the mesh: the tree and its references may go.
+/// All that writing a Bvh8 needs besides the mesh: collapse and references may go.
 struct Bvh8Plan {
   std::vector<Bvh8Part> parts;  ///< in depth-first order; none for an empty tree
   Bvh8Extent size;
 };
 
-/// Throws std::invalid_argument where the layout cannot hold so many triangles.
-Bvh8Plan plan_bvh8(const BinaryTree& tree, const References& references,
-                   const WideCollapse& collapse);
+/// The tree is asked for nothing but the boxes of leaves that hold pieces: where no face is
+/// repeated it may be empty. Throws std::invalid_argument where the layout cannot hold so many
+/// triangles.
+Bvh8Plan plan_bvh8(const WideCollapse& collapse, const References& references,
+                   const BinaryTree& tree);
 
 }  // namespace treelet

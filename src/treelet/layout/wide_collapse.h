@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include <treelet/core/array.h>
 #include <treelet/primitive/reference.h>
@@ -24,9 +26,13 @@ struct WideDecision {
   std::uint32_t stays_whole : 8;   ///< bit i: with i children at hand, one is enough
   std::uint32_t is_leaf : 1;       ///< as one child: a leaf, else a node
   std::uint32_t is_node : 1;       ///< becomes a node of the layout; only the device asks
+  std::uint32_t reserved : 1;      ///< zero
 
   /// What a single reference is: it never spreads.
-  TREELET_HD static constexpr WideDecision leaf() { return {0, 0xff, 1, 0}; }
+  TREELET_HD static constexpr WideDecision leaf() { return {0, 0xff, 1, 0, 0}; }
+
+  /// No internal node stays whole in no children.
+  TREELET_HD constexpr bool is_reference() const { return stays_whole_in(0); }
 
   TREELET_HD constexpr int left_share(int children) const {
     return int(left_shares >> 3 * (children - 2) & 7);
@@ -53,14 +59,24 @@ struct WideChoice {
 };
 static_assert(sizeof(WideChoice) == 32);
 
-/// The decisions about all internal nodes of a binary tree.
+/// A node of the binary tree, its box forgotten.
+struct CollapsedNode {
+  WideDecision decision;
+  std::uint32_t index;  ///< slot of the left child; of a leaf of the binary tree, its reference
+};
+
+/// What has been decided about each node of a binary tree: all that a packer needs of the tree,
+/// except for the boxes of pieces.
 struct WideCollapse {
-  Array<WideDecision> by_pair;  ///< entry p is about the node whose children are slots 2p, 2p + 1
+  Array<CollapsedNode> by_slot;
+  std::vector<std::uint32_t> large{};  ///< slots with more than kSubtreeReferences, ascending
   float root_cost = 0.0f;
   double sah = 0.0;  ///< of the binary tree: collapsed_sah_cost (layout/leaf_collapse.h)
 
-  WideDecision decision(const BinaryNode& node) const {
-    return node.is_leaf() ? WideDecision::leaf() : by_pair[node.left() / 2];
+  bool empty() const { return by_slot.empty(); }
+  bool is_leaf(std::uint32_t slot) const { return by_slot[slot].decision.is_leaf != 0; }
+  bool is_large(std::uint32_t slot) const {
+    return std::binary_search(large.begin(), large.end(), slot);
   }
 };
 
@@ -81,7 +97,6 @@ struct WideChildren {
 
 /// What becomes the children of the wide node at `slot`. Where a leaf would be cheaper than a node,
 /// that leaf is the only child: a root has to be a node.
-WideChildren list_wide_children(const BinaryTree& tree, const WideCollapse& collapse,
-                                std::uint32_t slot);
+WideChildren list_wide_children(const WideCollapse& collapse, std::uint32_t slot);
 
 }  // namespace treelet

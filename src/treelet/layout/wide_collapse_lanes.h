@@ -1,111 +1,49 @@
 #pragma once
 
-#include <cstdint>
+#include <cstring>
 #include <limits>
 
-#include <treelet/layout/wide_collapse_steps.h>
+#include <treelet/core/isa.h>
+#include <treelet/layout/wide_collapse.h>
 
 // The step of the wide collapse, all numbers of children at once: choose_internal
 // (layout/wide_collapse_steps.h), bit for bit.
 
 namespace treelet {
-namespace wide_lanes {
 
-using Floats = float __attribute__((vector_size(16)));
-using Ints = std::int32_t __attribute__((vector_size(16)));
+/// Costs of a subtree in at most 1 to 7 children, side by side. The last is infinite: eight
+/// children are the node itself.
+struct alignas(32) WideCosts {
+  static constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  float at_most[WideChoice::kWidth];
 
-inline std::uint32_t combine_bits(Ints a) { return std::uint32_t(a[0] | a[1] | a[2] | a[3]); }
+  float operator[](int children) const { return at_most[children - 1]; }
 
-}  // namespace wide_lanes
-
-/// Costs of a subtree in at most 1 to 4 and 5 to 7 children, side by side.
-struct WideCosts {
-  wide_lanes::Floats few, many;  ///< the last is infinite: eight children are the node itself
-
-  WideCosts() = default;
-  WideCosts(wide_lanes::Floats up_to_four, wide_lanes::Floats more) : few(up_to_four), many(more) {}
-  /// Of a leaf of the binary tree.
-  explicit WideCosts(float cost)
-      : few{cost, cost, cost, cost}, many{cost, cost, cost, wide_lanes::kInfinity} {}
-
-  float operator[](int children) const {
-    return children < 5 ? few[children - 1] : many[children - 5];
+  /// For a leaf of the binary tree. Stored in halves, as wide_collapse_lanes.inl reads them: a load
+  /// of what has just been stored in smaller parts waits until they have reached the cache.
+  void set_leaf(float cost) {
+    using Half = float __attribute__((vector_size(16)));
+    const Half few = {cost, cost, cost, cost}, many = {cost, cost, cost, kInfinity};
+    std::memcpy(at_most, &few, sizeof(few));
+    std::memcpy(at_most + 4, &many, sizeof(many));
   }
 };
 
-namespace wide_lanes {
+/// The choice of an internal node after its children's: what it costs as a leaf, and as a node
+/// without its children, is known; writes its costs, if need be over a child's.
+using WideChooser = WideDecision (*)(float as_leaf, float own_cost, const WideCosts& left,
+                                     const WideCosts& right, WideCosts& costs);
 
-/// Four numbers of children side by side: the least costs so far and the shares that give them, in
-/// their places in WideDecision::left_shares.
-struct Quad {
-  Floats cost;
-  Ints share;
+/// The version for an instruction set that this processor runs.
+WideChooser wide_chooser(Isa isa);
 
-  void consider(float left_cost, Floats rest, Ints candidate_share) {
-    const Floats candidate = left_cost + rest;
-    const Ints is_less = candidate < cost;
-    cost = is_less ? candidate : cost;
-    share = is_less ? candidate_share : share;
-  }
-};
-
-/// The best distribution over 1 to 4 and 5 to 8 children; over one, infinity.
-struct Distribution {
-  Quad few, many;
-};
-
-/// To c children, the left side gives s and the right side the other c - s: the costs of the right
-/// side, moved up by s lanes.
-inline Distribution distribute(const WideCosts& left, const WideCosts& right) {
-  // The factor that puts a share for c children into its place, 3 (c - 2) bits up; none for one.
-  constexpr Ints kFew = {0, 1, 1 << 3, 1 << 6}, kMany = {1 << 9, 1 << 12, 1 << 15, 1 << 18};
-  constexpr Floats kNone = {kInfinity, kInfinity, kInfinity, kInfinity};
-  const Floats f = right.few, m = right.many;
-  const Floats up_1 = {kInfinity, f[0], f[1], f[2]};
-  const Floats up_2 = {kInfinity, kInfinity, f[0], f[1]};
-  const Floats up_3 = {kInfinity, kInfinity, kInfinity, f[0]};
-  Distribution best{{kNone, kFew}, {kNone, kMany}};
-  best.few.consider(left[1], up_1, kFew);
-  best.few.consider(left[2], up_2, kFew * 2);
-  best.few.consider(left[3], up_3, kFew * 3);
-  best.many.consider(left[1], Floats{f[3], m[0], m[1], m[2]}, kMany);
-  best.many.consider(left[2], Floats{f[2], f[3], m[0], m[1]}, kMany * 2);
-  best.many.consider(left[3], Floats{f[1], f[2], f[3], m[0]}, kMany * 3);
-  best.many.consider(left[4], f, kMany * 4);
-  best.many.consider(left[5], up_1, kMany * 5);
-  best.many.consider(left[6], up_2, kMany * 6);
-  best.many.consider(left[7], up_3, kMany * 7);
-  return best;
+// One a file, wide_collapse_lanes_*.cpp; null where the compiler does not know the set.
+namespace avx2 {
+extern const WideChooser kWideChooser;
 }
-
-}  // namespace wide_lanes
-
-/// The choice of an internal node of so many triangles after its children's; writes its costs.
-inline WideDecision choose_side_by_side(float half_area, std::uint32_t triangles,
-                                        const WideCosts& left, const WideCosts& right,
-                                        const WideCostModel& model, WideCosts& costs) {
-  using namespace wide_lanes;
-  constexpr Ints kBitOfFew = {1 << 1, 1 << 2, 1 << 3, 1 << 4};
-  constexpr Ints kBitOfMany = {1 << 5, 1 << 6, 1 << 7, 0};
-  const Distribution spread = distribute(left, right);
-  const float as_leaf = wide_leaf_cost(half_area, triangles, model);
-  const float as_node = model.node_cost * half_area + spread.many.cost[3];
-  const bool is_leaf = as_leaf <= as_node;
-  const float as_one = is_leaf ? as_leaf : as_node;
-  const Floats one = {as_one, as_one, as_one, as_one};
-  const Floats one_of_many = {as_one, as_one, as_one, kInfinity};
-  const Ints few_whole = one < spread.few.cost, many_whole = one < spread.many.cost;
-  costs.few = few_whole ? one : spread.few.cost;
-  costs.many = many_whole ? one_of_many : spread.many.cost;
-
-  WideDecision decision{};
-  decision.left_shares = combine_bits(spread.few.share | spread.many.share) & 0x1fffff;
-  decision.stays_whole =
-      (combine_bits((few_whole & kBitOfFew) | (many_whole & kBitOfMany)) | 1u << 1) & 0xff;
-  decision.is_leaf = is_leaf;
-  return decision;
+namespace avx512 {
+extern const WideChooser kWideChooser;
 }
 
 }  // namespace treelet

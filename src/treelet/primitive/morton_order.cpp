@@ -3,6 +3,7 @@
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
 #include <treelet/primitive/morton.h>
+#include <treelet/primitive/morton_codes.h>
 #include <treelet/primitive/radix_sort.h>
 
 namespace treelet {
@@ -13,10 +14,15 @@ constexpr std::size_t kGrain = 1 << 14;
 Array<SortEntry> compute_morton_codes(const References& references) {
   const Stage stage{"compute Morton codes"};
   const MortonGrid grid = make_morton_grid(references.bounds);
+  const MortonAxes axes(grid);
+  const MortonKernel kernel = morton_kernel(best_isa());
   Array<SortEntry> entries(references.size());
-  parallel_for(references.size(), kGrain, [&](std::size_t i) {
-    const Vec3 centroid = doubled_centroid(references.items[i].box());
-    entries[i] = {morton_code(grid, centroid), std::uint32_t(i)};
+  parallel_for_ranges(references.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (kernel) return kernel(axes, references.items.data(), begin, end, entries.data());
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 centroid = doubled_centroid(references.items[i].box());
+      entries[i] = {morton_code(grid, centroid), std::uint32_t(i)};
+    }
   });
   return entries;
 }

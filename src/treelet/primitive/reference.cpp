@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <limits>
 #include <utility>
 #include <vector>
 
+#include <treelet/core/box_lanes.h>
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
 #include <treelet/primitive/reference_steps.h>
@@ -38,18 +41,52 @@ int guess_scale_exponent(const Mesh& mesh) {
   return extent_exponent(box);
 }
 
+BoxLanes bounds_in_lanes(const Triangle& triangle) {
+  const auto a = BoxLanes::load(triangle.p0), b = BoxLanes::load(triangle.p1),
+             c = BoxLanes::load(triangle.p2);
+  return {BoxLanes::min(BoxLanes::min(a, b), c), BoxLanes::max(BoxLanes::max(a, b), c)};
+}
+
+/// make_reference (primitive/reference_steps.h), bit for bit.
+class ReferenceWriter {
+ public:
+  explicit ReferenceWriter(const PowerOfTwoScale& scale)
+      : first_(BoxLanes::Floats{} + scale.first()), second_(BoxLanes::Floats{} + scale.second()) {}
+
+  void write(const BoxLanes& box, std::uint32_t face, Reference* out) const {
+    const BoxLanes::Floats halves[2] = {BoxLanes::with_number(scaled(box.lower), face),
+                                        BoxLanes::with_number(scaled(box.upper), 0)};
+    static_assert(sizeof(halves) == sizeof(Reference));
+    std::memcpy(static_cast<void*>(out), halves, sizeof(halves));
+  }
+
+ private:
+  BoxLanes::Floats scaled(BoxLanes::Floats x) const {
+    constexpr BoxLanes::Floats kZero{}, kLimit = kZero + kBuildSpaceLimit;
+    return BoxLanes::max(-kLimit, BoxLanes::min(x * first_ * second_ + kZero, kLimit));
+  }
+
+  const BoxLanes::Floats first_, second_;
+};
+
 /// Writes the references of a range of faces, one behind the other.
 Summary write_range(const Mesh& mesh, std::size_t begin, std::size_t end,
                     const PowerOfTwoScale& scale, Reference* out) {
+  const ReferenceWriter writer(scale);
+  constexpr BoxLanes::Floats kInfinity =
+      BoxLanes::Floats{} + std::numeric_limits<float>::infinity();
+  BoxLanes range{kInfinity, -kInfinity};
   Summary summary;
   for (std::size_t i = begin; i < end; ++i) {
     const Triangle triangle = mesh.triangle(i);
     const TriangleKind kind = classify(triangle);
     ++summary[kind];
     if (kind != TriangleKind::regular) continue;
-    summary.bounds = merge(summary.bounds, bounds(triangle));
-    *out++ = make_reference(triangle, std::uint32_t(i), scale);
+    const BoxLanes box = bounds_in_lanes(triangle);
+    range = merge(range, box);
+    writer.write(box, std::uint32_t(i), out++);
   }
+  summary.bounds = range.box();
   return summary;
 }
 

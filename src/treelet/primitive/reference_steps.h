@@ -30,6 +30,10 @@ class PowerOfTwoScale {
       : first_(float_power_of_two(-exponent > 127 ? 127 : -exponent)),
         second_(float_power_of_two(-exponent > 127 ? -exponent - 127 : 0)) {}
 
+  /// Their product is 2^-exponent; to be multiplied by one after the other.
+  TREELET_HD constexpr float first() const { return first_; }
+  TREELET_HD constexpr float second() const { return second_; }
+
   TREELET_HD constexpr float operator()(float x) const {
     return max(-kBuildSpaceLimit, min(x * first_ * second_ + 0.0f, kBuildSpaceLimit));
   }

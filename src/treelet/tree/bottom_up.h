@@ -38,8 +38,9 @@ constexpr std::size_t kCrownGrain = 4;
 void list_internal_nodes(const BinaryTree& tree, std::uint32_t root, std::uint32_t min_count,
                          std::vector<std::uint32_t>& nodes);
 
-/// What a subtree is worth, from the bottom up: leaf(slot) gives the value of a leaf, and
-/// may be asked about other nodes in vain; join(slot, left, right) gives that of an internal node.
+/// What a subtree is worth, from the bottom up: leaf(slot, value) sets the value of a leaf, and may
+/// be asked about other nodes in vain; join(slot, left, right, value) sets that of an internal
+/// node, in its place: a copy would wait for what has just been stored in parts.
 /// Values need no array by slot: breadth-first order, read backwards, meets children in the order
 /// of their parents.
 template <class T>
@@ -49,15 +50,17 @@ class SubtreeFold {
   T run(const BinaryTree& tree, std::uint32_t root, Leaf&& leaf, Join&& join) {
     nodes_.clear();
     list_internal_nodes(tree, root, kAllInternal, nodes_);
-    if (nodes_.empty()) return leaf(root);
-    values_.resize(nodes_.size());
-    const T* next = values_.data() + values_.size();
+    values_.resize(nodes_.size() + 1);
+    if (nodes_.empty()) leaf(root, values_[0]);
+    const T* next = values_.data() + nodes_.size();
     for (std::size_t i = nodes_.size(); i-- > 0;) {
       const BinaryNode& node = tree.nodes[nodes_[i]];
-      const T leaves[2] = {leaf(node.left()), leaf(node.right())};
+      T leaves[2];
+      leaf(node.left(), leaves[0]);
+      leaf(node.right(), leaves[1]);
       const T* const right = tree.nodes[node.right()].is_leaf() ? &leaves[1] : --next;
       const T* const left = tree.nodes[node.left()].is_leaf() ? &leaves[0] : --next;
-      values_[i] = join(nodes_[i], *left, *right);
+      join(nodes_[i], *left, *right, values_[i]);
     }
     return values_[0];
   }
@@ -86,7 +89,7 @@ T fold_bottom_up(const BinaryTree& tree, Leaf&& leaf, Join&& join) {
   for (std::size_t i = crown.size(); i-- > 0;) {
     if (!is_top(i)) continue;
     next -= 2;
-    values[i] = join(crown[i], values[next], values[next + 1]);
+    join(crown[i], values[next], values[next + 1], values[i]);
   }
   return values[0];
 }

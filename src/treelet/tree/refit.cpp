@@ -44,9 +44,12 @@ double sah_cost(const BinaryTree& tree, const SahModel& sah) {
   const double root_area = area_of(kRoot);
   if (!(root_area > 0.0)) return 0.0;
   const float cost = fold_bottom_up<float>(
-      tree, [&](std::uint32_t slot) { return sah.leaf_cost(area_of(slot), 1); },
-      [&](std::uint32_t slot, float left, float right) {
-        return sah.subtree_cost(area_of(slot), left + right, tree.nodes[slot].count);
+      tree,
+      [&](std::uint32_t slot, float& cost_of_leaf) {
+        cost_of_leaf = sah.leaf_cost(area_of(slot), 1);
+      },
+      [&](std::uint32_t slot, float left, float right, float& cost_of_node) {
+        cost_of_node = sah.subtree_cost(area_of(slot), left + right, tree.nodes[slot].count);
       });
   return cost / root_area;
 }
