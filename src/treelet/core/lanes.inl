@@ -51,6 +51,7 @@ struct LanesType<16> {
 template <int N>
 using Lanes = typename LanesType<N>::Type;
 using Doubles = double __attribute__((vector_size(32)));  // four
+using EightDoubles = double __attribute__((vector_size(64)));
 
 /// What comparing lanes gives: integers of their size, all bits set where it holds.
 template <class L>
@@ -77,6 +78,9 @@ TREELET_INLINE L broadcast(float x) {
   return x - L{};  // nothing but x to a compiler, which must add a zero for -0
 }
 
+#if defined(__AVX512F__)
+#define TREELET_COMPARE_512(a, b, op) unsigned(_mm512_cmp_ps_mask((__m512)a, (__m512)b, op))
+#endif
 #if defined(__AVX512VL__)
 #define TREELET_COMPARE_256(a, b, op) unsigned(_mm256_cmp_ps_mask((__m256)a, (__m256)b, op))
 #define TREELET_COMPARE_128(a, b, op) unsigned(_mm_cmp_ps_mask((__m128)a, (__m128)b, op))
@@ -90,6 +94,9 @@ TREELET_INLINE L broadcast(float x) {
 /// Bit i: a[i] <= b[i], and neither is NaN.
 template <class L>
 TREELET_INLINE unsigned at_most_mask(L a, L b) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(L) == 64) return TREELET_COMPARE_512(a, b, _CMP_LE_OQ);
+#endif
 #if defined(__AVX__)
   if constexpr (sizeof(L) == 32) return TREELET_COMPARE_256(a, b, _CMP_LE_OQ);
   if constexpr (sizeof(L) == 16) return TREELET_COMPARE_128(a, b, _CMP_LE_OQ);
@@ -106,6 +113,9 @@ TREELET_INLINE unsigned at_most_mask(L a, L b) {
 /// Bit i: a[i] < b[i], and neither is NaN.
 template <class L>
 TREELET_INLINE unsigned less_mask(L a, L b) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(L) == 64) return TREELET_COMPARE_512(a, b, _CMP_LT_OQ);
+#endif
 #if defined(__AVX__)
   if constexpr (sizeof(L) == 32) return TREELET_COMPARE_256(a, b, _CMP_LT_OQ);
   if constexpr (sizeof(L) == 16) return TREELET_COMPARE_128(a, b, _CMP_LT_OQ);
@@ -136,15 +146,18 @@ TREELET_INLINE unsigned differ_mask(L x, int bits) {
   return less_mask(zero, (MaskOf<L>)x != bits ? one : zero);
 }
 
-/// Bit i: the mask holds there.
-TREELET_INLINE unsigned sign_mask(MaskOf<Doubles> mask) {
-#if defined(__AVX__)
-  return unsigned(_mm256_movemask_pd((__m256d)mask));
-#else
-  unsigned bits = 0;
-  for (unsigned i = 0; i < 4; ++i) bits |= unsigned(mask[i] < 0) << i;
-  return bits;
+/// Bit i: the mask of doubles holds there.
+template <class M>
+TREELET_INLINE unsigned sign_mask(M mask) {
+#if defined(__AVX512DQ__)
+  if constexpr (sizeof(M) == 64) return unsigned(_mm512_movepi64_mask((__m512i)mask));
 #endif
+#if defined(__AVX__)
+  if constexpr (sizeof(M) == 32) return unsigned(_mm256_movemask_pd((__m256d)mask));
+#endif
+  unsigned bits = 0;
+  for (unsigned i = 0; i < sizeof(M) / sizeof(double); ++i) bits |= unsigned(mask[i] < 0) << i;
+  return bits;
 }
 
 TREELET_INLINE const float* offset_by(const float* values, std::uint32_t bytes) {

@@ -70,7 +70,8 @@ class WaveStacks {
 
 /// Traversal of the wide layout as compiled for one instruction set: an answer for each of `count`
 /// rays, a miss for those that are not traceable. The tree must have nodes. The answers are the
-/// same bits for all.
+/// same bits for all. Coherent rays that follow each other are traced in packets; work is counted
+/// for each ray by itself.
 struct Bvh8Tracer {
   template <class Answer>
   using Trace = void (*)(const Bvh8View& bvh, const Ray* rays, std::size_t count, Answer* answers,

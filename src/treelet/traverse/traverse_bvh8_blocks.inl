@@ -24,6 +24,17 @@ TREELET_INLINE const float* corner_row(const TriangleBlock& block, int corner, s
   return offset_by(block.vertex[corner][0], row);
 }
 
+/// A triangle of a block.
+struct BlockTriangle {
+  const TriangleBlock& block;
+  int lane;
+
+  TREELET_INLINE float coordinate(int corner, std::uint32_t row) const {
+    return corner_row(block, corner, row)[lane];
+  }
+  TREELET_INLINE std::uint32_t face() const { return block.face[lane]; }
+};
+
 /// Two blocks, or twice the same.
 struct BlockPair {
   const TriangleBlock *first, *second;
@@ -31,6 +42,11 @@ struct BlockPair {
   TREELET_INLINE TriangleLanes coordinates(int corner, std::uint32_t row) const {
     return load_halves<TriangleLanes>(corner_row(*first, corner, row),
                                       corner_row(*second, corner, row));
+  }
+
+  TREELET_INLINE BlockTriangle triangle(int lane) const {
+    constexpr int kTriangles = TriangleBlock::kTriangles;
+    return {lane < kTriangles ? *first : *second, lane % kTriangles};
   }
 
   /// Bit i: lane i has a triangle, and one that no lane before has.
@@ -58,10 +74,16 @@ TREELET_INLINE L largest(L a, L b, L c) {
   return max(max(a, b), c);
 }
 
-/// What floats tell of triangles, bit by lane.
+/// What floats tell of lanes of rays and triangles, bit by lane.
 struct Verdict {
   unsigned possible;     ///< hits within the limits cannot be ruled out
-  unsigned certain = 0;  ///< the ray hits them within its limits
+  unsigned certain = 0;  ///< the ray hits the triangle within its limits
+};
+
+/// Limits on t, as distances along the z axis.
+template <class L>
+struct LimitLanes {
+  L direction_z, z_min, z_max;
 };
 
 /// Limits on t. With U, V, W as in traverse/ray_triangle.h, the line meets the triangle at
@@ -73,48 +95,53 @@ struct Verdict {
 /// than z (2 bound + 5u |sum|), and `sum` by 2 bound + 3u |sum|. `error` is more than both
 /// together, also if sum has the wrong sign, and leaves 8u for rounding t, its limits and the
 /// products here.
-TREELET_INLINE void apply_limits(const LaneShear& ray, TriangleLanes along, TriangleLanes sum,
-                                 TriangleLanes bound, TriangleLanes z, unsigned same_sign,
-                                 Verdict& verdict) {
-  const auto splat = [](float x) { return broadcast<TriangleLanes>(x); };
-  const TriangleLanes size = magnitude(sum);
-  const TriangleLanes forward = flip_sign(flip_sign(along, sum), splat(ray.direction[2]));
-  const TriangleLanes error = splat(4.0f) * bound + splat(0x1p-20f) * size;
-  const TriangleLanes z_min = splat(ray.z_min), z_max = splat(ray.z_max);
-  const TriangleLanes before = z_min * size - forward, beyond = forward - z_max * size;
-  const auto error_at = [&](TriangleLanes limit) {
-    return error * (z + magnitude(limit)) + splat(kSmallestNormal);
+template <class L>
+TREELET_INLINE void apply_limits(const LimitLanes<L>& limits, L along, L sum, L bound, L z,
+                                 unsigned same_sign, Verdict& verdict) {
+  const L size = magnitude(sum);
+  const L forward = flip_sign(flip_sign(along, sum), limits.direction_z);
+  const L error = broadcast<L>(4.0f) * bound + broadcast<L>(0x1p-20f) * size;
+  const L before = limits.z_min * size - forward, beyond = forward - limits.z_max * size;
+  const auto error_at = [&](L limit) {
+    return error * (z + magnitude(limit)) + broadcast<L>(kSmallestNormal);
   };
-  const TriangleLanes before_error = error_at(z_min), beyond_error = error_at(z_max);
+  const L before_error = error_at(limits.z_min), beyond_error = error_at(limits.z_max);
   // Nothing is excluded where an infinite limit makes NaN.
   verdict.possible &= ~(less_mask(before_error, before) | less_mask(beyond_error, beyond));
   verdict.certain = verdict.possible & same_sign & less_mask(before, -before_error) &
                     less_mask(beyond, -beyond_error);
 }
 
-/// may_intersect of traverse/ray_triangle.h, with its proof, and limits on t.
-TREELET_INLINE Verdict test_triangles(const LaneShear& ray, const BlockPair& blocks,
-                                      unsigned lanes) {
-  const LaneVertex<TriangleLanes> a = shear(ray, blocks, 0), b = shear(ray, blocks, 1),
-                                  c = shear(ray, blocks, 2);
-  const TriangleLanes u = c.x * b.y - c.y * b.x;
-  const TriangleLanes v = a.x * c.y - a.y * c.x;
-  const TriangleLanes w = b.x * a.y - b.y * a.x;
-  const TriangleLanes m =
-      largest(max(magnitude(a.x), magnitude(a.y)),  //
-              max(magnitude(b.x), magnitude(b.y)), max(magnitude(c.x), magnitude(c.y)));
-  const TriangleLanes z = largest(magnitude(a.z), magnitude(b.z), magnitude(c.z));
-  const TriangleLanes bound = broadcast<TriangleLanes>(kEdgeError) * (m * (m + z)) +
-                              broadcast<TriangleLanes>(kSmallestNormal);
-  const TriangleLanes least = min(u, min(v, w)), most = max(u, max(v, w));
+/// may_intersect of traverse/ray_triangle.h, with its proof, and limits on t, for sheared vertices
+/// of lanes of triangles or rays.
+template <class L>
+TREELET_INLINE Verdict test_lanes(const LaneVertex<L>& a, const LaneVertex<L>& b,
+                                  const LaneVertex<L>& c, const LimitLanes<L>& limits,
+                                  unsigned lanes) {
+  const L u = c.x * b.y - c.y * b.x;
+  const L v = a.x * c.y - a.y * c.x;
+  const L w = b.x * a.y - b.y * a.x;
+  const L m = largest(max(magnitude(a.x), magnitude(a.y)),  //
+                      max(magnitude(b.x), magnitude(b.y)), max(magnitude(c.x), magnitude(c.y)));
+  const L z = largest(magnitude(a.z), magnitude(b.z), magnitude(c.z));
+  const L bound = broadcast<L>(kEdgeError) * (m * (m + z)) + broadcast<L>(kSmallestNormal);
+  const L least = min(u, min(v, w)), most = max(u, max(v, w));
   // A bit is kept where a bound is NaN, as it is where coordinates overflow.
   const unsigned none_negative = ~less_mask(least, -bound);
   const unsigned none_positive = ~less_mask(bound, most);
   Verdict verdict{(none_negative | none_positive) & lanes};
   if (verdict.possible == 0) return verdict;
   const unsigned same_sign = less_mask(bound, least) | less_mask(most, -bound);
-  apply_limits(ray, u * a.z + v * b.z + w * c.z, u + v + w, bound, z, same_sign, verdict);
+  apply_limits(limits, u * a.z + v * b.z + w * c.z, u + v + w, bound, z, same_sign, verdict);
   return verdict;
+}
+
+TREELET_INLINE Verdict test_triangles(const LaneShear& ray, const BlockPair& blocks,
+                                      unsigned lanes) {
+  const auto splat = [](float x) { return broadcast<TriangleLanes>(x); };
+  return test_lanes<TriangleLanes>(
+      shear(ray, blocks, 0), shear(ray, blocks, 1), shear(ray, blocks, 2),
+      {splat(ray.direction[2]), splat(ray.z_min), splat(ray.z_max)}, lanes);
 }
 
 }  // namespace

@@ -61,6 +61,19 @@ TREELET_INLINE std::int32_t key_of(float enter) {
   return bits < 0 ? 0 : bits;
 }
 
+/// Drops the children behind a limit, but the first, which is none. Returns how many stay.
+TREELET_INLINE std::uint32_t drop_behind(float limit, ChildStack stack, std::uint32_t size) {
+  const std::int32_t last = key_of(limit) | kPlaceBits;
+  std::uint32_t kept = 1;
+  for (std::uint32_t i = 1; i < size; ++i) {
+    const std::int32_t key = stack.keys[i];
+    stack.keys[kept] = key;
+    stack.children[kept] = stack.children[i];
+    kept += key <= last;
+  }
+  return kept;
+}
+
 #if defined(__AVX2__)
 
 TREELET_INLINE void store_entries(ChildStack top, IntLanes<8> keys, IntLanes<8> children) {
@@ -69,9 +82,10 @@ TREELET_INLINE void store_entries(ChildStack top, IntLanes<8> keys, IntLanes<8> 
 }
 
 /// Puts children that are met on the stack, the nearest on top if `Ordered`, and returns how many.
-/// Writes up to eight entries.
-template <bool Ordered>
-TREELET_INLINE unsigned push_children(const RaySlabs& ray, const Bvh8Node& node, ChildStack top) {
+/// Writes up to eight entries. What meets boxes may be something else than a ray that has an
+/// intersect_boxes.
+template <bool Ordered, class Slabs>
+TREELET_INLINE unsigned push_children(const Slabs& ray, const Bvh8Node& node, ChildStack top) {
   const BoxSpans span = intersect_boxes(ray, node, 0);
   const auto child = load_unaligned<IntLanes<8>>(node.child);
   const IntLanes<8> bits = (IntLanes<8>)span.enter;
@@ -104,8 +118,8 @@ TREELET_INLINE void insert(ChildStack top, unsigned place, std::int32_t key, std
 }
 
 /// As above.
-template <bool Ordered>
-TREELET_INLINE unsigned push_children(const RaySlabs& ray, const Bvh8Node& node, ChildStack top) {
+template <bool Ordered, class Slabs>
+TREELET_INLINE unsigned push_children(const Slabs& ray, const Bvh8Node& node, ChildStack top) {
   unsigned count = 0;
   for (int first = 0; first < kWidth; first += kBoxLanes) {
     const BoxSpans span = intersect_boxes(ray, node, first);

@@ -55,26 +55,19 @@ struct alignas(64) WaveRay {
     return true;
   }
 
-  /// Takes over the visitor's limit, and drops the children behind it.
-  TREELET_INLINE void update_limit() {
-    set_limit();
-    const std::int32_t limit = key_of(slabs.limit) | kPlaceBits;
-    std::uint32_t kept = 1;
-    for (std::uint32_t i = 1; i < size; ++i) {
-      const std::int32_t key = stack.keys[i];
-      stack.keys[kept] = key;
-      stack.children[kept] = stack.children[i];
-      kept += key <= limit;
-    }
-    size = kept;
-  }
-
- private:
+  /// Takes over the visitor's limit.
   TREELET_INLINE void set_limit() {
     slabs.limit = time.upper_limit(visitor.t_limit());
     shear.z_max = visitor.t_limit() * absolute(shear.direction[2]);
   }
 
+  /// As well, and drops the children behind it.
+  TREELET_INLINE void update_limit() {
+    set_limit();
+    size = drop_behind(slabs.limit, stack, size);
+  }
+
+ private:
   TREELET_INLINE void set_up_shear(Coordinates origin, Coordinates direction) {
     const Coordinates lengths = magnitude(direction);
     const float x = lengths[0], y = lengths[1], z = lengths[2];
