@@ -11,12 +11,12 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "support/closed_meshes.h"
 #include "support/mesh_rays.h"
 #include "support/meshes.h"
 #include "support/random.h"
@@ -32,44 +32,11 @@ struct Closed {
   std::function<Vec3(test::Random&)> inside;
 };
 
-test::OwnedMesh cube() {
-  test::OwnedMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices.push_back({float(i & 1), float(i >> 1 & 1), float(i >> 2)});
-  }
-  const std::uint32_t quads[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
-                                     {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
-  for (const auto& [a, b, c, d] : quads) {
-    mesh.faces.push_back({a, b, c});
-    mesh.faces.push_back({a, c, d});
-  }
-  return mesh;
-}
-
-test::OwnedMesh torus(std::uint32_t around, std::uint32_t across) {
-  test::OwnedMesh mesh;
-  const auto turn = [](std::uint32_t i, std::uint32_t n) {
-    return 2.0f * std::numbers::pi_v<float> * float(i) / float(n);
-  };
-  for (std::uint32_t i = 0; i < around * across; ++i) {
-    const float a = turn(i / across, around), b = turn(i % across, across);
-    const float radius = 1.0f + 0.4f * std::cos(b);
-    mesh.vertices.push_back({radius * std::cos(a), radius * std::sin(a), 0.4f * std::sin(b)});
-  }
-  for (std::uint32_t i = 0; i < around * across; ++i) {
-    const std::uint32_t row = i / across * across, next_row = (row + across) % (around * across);
-    const std::uint32_t column = i % across, next = (column + 1) % across;
-    mesh.faces.push_back({row + column, next_row + column, next_row + next});
-    mesh.faces.push_back({row + column, next_row + next, row + next});
-  }
-  return mesh;
-}
-
 std::vector<Closed> closed_meshes() {
   return {{"Icosphere", test::icosphere(4),
            [](test::Random& random) { return random.point(-0.5f, 0.5f); }},
-          {"Cube", cube(), [](test::Random& random) { return random.point(0.01f, 0.99f); }},
-          {"Torus", torus(64, 32), [](test::Random& random) {
+          {"Cube", test::cube(), [](test::Random& random) { return random.point(0.01f, 0.99f); }},
+          {"Torus", test::torus(64, 32), [](test::Random& random) {
              const float a = random.uniform(0.0f, 6.28f);
              return Vec3{std::cos(a), std::sin(a), 0} + random.point(-0.1f, 0.1f);
            }}};
