@@ -1,0 +1,150 @@
+"""What a mesh is to points, boxes and balls: nearest, around, or met."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _core
+from ._compiled_tree import CompiledTree
+from ._inputs import FloatArray, as_boxes, as_points, as_spheres
+from ._offset import ORIGIN
+
+
+class ClosestPoints(NamedTuple):
+    """Nearest points of the mesh, one for each point that was given, in their shape (...).
+
+    The nearest point is (1-u-v) P0 + u P1 + v P2 of `face`.
+    """
+
+    point: np.ndarray[tuple[int, ...], np.dtype[np.floating[Any]]]
+    """(..., 3) float32, or float64 where the tree has an `offset`; NaN where there is none."""
+    distance: FloatArray
+    """float32, in the mesh's units; inf where there is none."""
+    face: np.ndarray[tuple[int, ...], np.dtype[np.int32]]
+    """int32 index into the faces that were given; -1 where there is none."""
+    u: FloatArray
+    """float32; 0 where there is none."""
+    v: FloatArray
+    """float32; 0 where there is none."""
+
+
+class Overlaps(NamedTuple):
+    """Faces that N boxes or balls meet: those of number i are `face[offsets[i]:offsets[i + 1]]`."""
+
+    offsets: np.ndarray[tuple[int], np.dtype[np.int64]]
+    """(N + 1,) int64; boxes and balls of any leading shape are numbered as in C order."""
+    face: np.ndarray[tuple[int], np.dtype[np.int32]]
+    """(overlaps,) int32 index into the faces that were given: ascending, each once in a row."""
+
+
+class PointQueries(CompiledTree):
+    """Nearest points, inside and outside, and overlaps.
+
+    Points are rounded to float32, relative to `offset`. All take any leading shape.
+    """
+
+    def closest_point(self, points: ArrayLike, max_distance: ArrayLike = np.inf) -> ClosestPoints:
+        """Find the point of the mesh that is nearest to each point.
+
+        Of equal distances the smaller face. Distances are computed in float64 from the float32 triangles, and
+        rounded once.
+
+        Args:
+            points: (..., 3) float.
+            max_distance: (...) or scalar, in the mesh's units: points of the mesh that are farther do not
+                count. A small one saves time.
+
+        Returns:
+            ClosestPoints(point, distance, face, u, v), arrays of the broadcast leading shape. There is no
+            nearest point, so NaN, inf and face -1, in an empty mesh, for a point with NaN or infinity, and
+            for a NaN or negative max_distance.
+
+        Raises:
+            ValueError: where the shapes do not fit each other.
+            TypeError: where an array does not hold numbers, or lies on a CUDA device.
+            RuntimeError: while another thread updates the tree.
+        """
+        balls = as_spheres(points, max_distance, ("points", "max_distance"), self._offset)
+        point, *rest = self._ask(_core.closest_point, *balls.arguments)
+        place = point.reshape(*balls.shape, 3)
+        if self._offset != ORIGIN:
+            place = place + np.array(self._offset)
+        return ClosestPoints(place, *(array.reshape(balls.shape) for array in rest))
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        """The distance of each point (..., 3) from the mesh, float32 (...). As `closest_point`; faster."""
+        given = as_points(points, "points", self._offset)
+        return self._ask(_core.distance, given.array).reshape(given.shape)
+
+    def signed_distance(self, points: ArrayLike) -> FloatArray:
+        """`distance`, negative where the mesh `contains` the point, float32 (...).
+
+        The sign is exact for closed meshes. For others take that of `winding_number(points) - 0.5`.
+        """
+        given = as_points(points, "points", self._offset)
+        return self._ask(_core.signed_distance, given.array).reshape(given.shape)
+
+    def contains(self, points: ArrayLike) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        """Whether each point (..., 3) is inside of the mesh, bool (...).
+
+        Exact for closed meshes, whatever way their faces are turned: a point is inside if a ray from it
+        crosses the mesh an odd number of times. On the surface, the side of larger coordinates decides, so of
+        two solids that touch one contains the point. For a mesh with holes the answer is that of one ray,
+        nearly along the negative x axis: `winding_number(points) > 0.5` is the better question then. False
+        for points with NaN or infinity.
+        """
+        given = as_points(points, "points", self._offset)
+        return self._ask(_core.contains, given.array).reshape(given.shape)
+
+    def winding_number(self, points: ArrayLike, accuracy: float = 2.0) -> FloatArray:
+        """How often the mesh winds around each point (..., 3), float32 (...).
+
+        For a closed mesh with counterclockwise faces 1 inside and 0 outside; for one with holes or
+        overlaps something between that is above a half inside. NaN for points with NaN or infinity.
+
+        Args:
+            points: (..., 3) float.
+            accuracy: from how many of its radii on a part of the mesh is taken as a whole: 2 errs by
+                some hundredths at most, 6 by some thousandths, infinity by rounding alone and takes time
+                proportional to the mesh.
+
+        Raises:
+            ValueError: for a negative or NaN accuracy.
+        """
+        if not accuracy >= 0:
+            raise ValueError(f"accuracy must be a number from 0 to infinity, not {accuracy!r}")
+        given = as_points(points, "points", self._offset)
+        return self._ask(_core.winding_number, given.array, float(accuracy)).reshape(given.shape)
+
+    def overlap_boxes(self, lower: ArrayLike, upper: ArrayLike) -> Overlaps:
+        """List the faces that have a point in common with each box; touching counts, nothing is rounded.
+
+        Args:
+            lower: (..., 3) float, corners with the smallest coordinates; may be -inf.
+            upper: (..., 3) float, corners with the largest ones; may be inf.
+
+        Returns:
+            Overlaps(offsets, face). A box with NaN, or with lower beyond upper, meets no face.
+
+        Raises:
+            ValueError: where the shapes do not fit each other.
+            TypeError: where an array does not hold numbers, or lies on a CUDA device.
+        """
+        boxes = as_boxes(lower, upper, self._offset)
+        return Overlaps(*self._ask(_core.overlap_boxes, *boxes.arguments))
+
+    def overlap_spheres(self, centers: ArrayLike, radii: ArrayLike) -> Overlaps:
+        """List the faces that are at most a radius from each centre: those whose `distance` is at most that.
+
+        Args:
+            centers: (..., 3) float.
+            radii: (...) or scalar. A negative or NaN one meets no face.
+
+        Returns:
+            Overlaps(offsets, face). Errors as `overlap_boxes`.
+        """
+        spheres = as_spheres(centers, radii, ("centers", "radii"), self._offset)
+        return Overlaps(*self._ask(_core.overlap_spheres, *spheres.arguments))

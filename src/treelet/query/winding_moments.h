@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <treelet/core/array.h>
+#include <treelet/layout/bvh2.h>
+#include <treelet/layout/bvh8.h>
+#include <treelet/layout/cwbvh.h>
+#include <treelet/query/point_triangle_steps.h>
+
+namespace treelet {
+
+/// What a far point sees of the triangles below a child: the first two terms of the Taylor series
+/// of their winding number around a centre [BarillEtAl2018 s4].
+struct Cluster {
+  float center[3];
+  float squared_radius;  ///< of a ball around all triangles
+  float dipole[3];       ///< sum of area times normal n
+  /// Sum of area times (centroid - centre) n^T, its symmetric part: xx, yy, zz and twice xy, xz,
+  /// yz.
+  float quadrupole[6];
+};
+
+/// The clusters of a tree's children, 52 bytes each, in a space where the scene's size is about
+/// one. A face that lies in several leaves is in one cluster of each level only.
+class WindingMoments {
+ public:
+  template <class Layout>
+  explicit WindingMoments(const Layout& bvh);
+
+  const Cluster& cluster(std::size_t node, int child) const {
+    return clusters_[node * children_ + child];
+  }
+  /// Whether this position, of all that its face has, is the one that counts.
+  bool is_counted(std::size_t position) const {
+    return counted_.empty() || counted_[position] != 0;
+  }
+  point_steps::DoubleVector normalised(Vec3 p) const {
+    return (point_steps::widen(p) - origin_) * scale_;
+  }
+  std::size_t bytes() const { return clusters_.bytes() + counted_.bytes(); }
+
+ private:
+  std::size_t children_;
+  point_steps::DoubleVector origin_;
+  double scale_;
+  Array<Cluster> clusters_;
+  Array<std::uint8_t> counted_;  ///< empty where each face has one position
+};
+
+}  // namespace treelet
