@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "support/meshes.h"
-#include "support/threads.h"
+#include "support/optimizers.h"
 #include "support/trees.h"
 
 namespace treelet {
@@ -104,42 +104,32 @@ TEST(Reinsertion, ReachesAcrossTheRoot) {
   BinaryTree tree = test::balanced_tree(references);
   const double whole = half_area(tree.nodes[kRoot].box());
   ASSERT_GT(area_sum(tree), 2.5 * whole);
-  reinsert_nodes(tree, {.percent = 100.0f, .rounds = 2});
+  reinsert_nodes(tree, SahModel{}, {.percent = 100.0f, .rounds = 2});
   EXPECT_LT(area_sum(tree), 1.2 * whole);
   EXPECT_TRUE(test::IsSound(tree, references));
-}
-
-std::vector<BinaryTree> trees_over(const References& references) {
-  std::vector<BinaryTree> trees;
-  trees.push_back(build_lbvh(references));
-  trees.push_back(test::random_tree(references, 5));
-  trees.push_back(test::chain_tree(references));
-  return trees;
 }
 
 TEST(Reinsertion, KeepsTreesSoundAndNeverEnlargesThem) {
   for (const auto& [name, mesh] : test::hard_meshes()) {
     SCOPED_TRACE(name);
     const References references = create_references(mesh.view());
-    for (BinaryTree& tree : trees_over(references)) {
+    for (BinaryTree& tree : test::trees_over(references)) {
       const double before = area_sum(tree);
-      reinsert_nodes(tree, {.percent = 30.0f, .rounds = 2});
+      reinsert_nodes(tree, SahModel{}, {.percent = 30.0f, .rounds = 2});
       EXPECT_TRUE(test::IsSound(tree, references));
       EXPECT_LE(area_sum(tree), before * (1.0 + 1e-6));
     }
   }
 }
 
+TEST(Reinsertion, NeverRaisesTheCost) {
+  test::expect_sound_and_never_dearer(
+      [](BinaryTree& tree) { reinsert_nodes(tree, SahModel{}, {.percent = 30.0f, .rounds = 2}); });
+}
+
 TEST(Reinsertion, GivesTheSameBytesWithAnyNumberOfThreads) {
-  const test::OwnedMesh mesh = test::triangle_soup(20'000, 7);
-  const References references = create_references(mesh.view());
-  std::vector<BinaryTree> trees;
-  for (const unsigned threads : {1, 2, 5}) {
-    const test::ThreadCountScope scope(threads);
-    trees.push_back(build_lbvh(references));
-    reinsert_nodes(trees.back(), {});
-  }
-  for (const BinaryTree& tree : trees) EXPECT_TRUE(test::equal_bytes(tree, trees[0]));
+  test::expect_same_bytes_with_any_threads(
+      [](BinaryTree& tree) { reinsert_nodes(tree, SahModel{}, {}); });
 }
 
 TEST(Reinsertion, HelpsALinearTree) {
@@ -147,7 +137,7 @@ TEST(Reinsertion, HelpsALinearTree) {
   const References references = create_references(mesh.view());
   BinaryTree tree = build_lbvh(references);
   const double before = area_sum(tree);
-  reinsert_nodes(tree, {.percent = 100.0f, .rounds = 3});
+  reinsert_nodes(tree, SahModel{}, {.percent = 100.0f, .rounds = 3});
   EXPECT_LT(area_sum(tree), 0.9 * before);
 }
 
@@ -157,16 +147,16 @@ TEST(Reinsertion, DoesNothingInNoRoundsOrWithoutNodes) {
   const BinaryTree before = build_lbvh(references);
   for (const ReinsertionConfig config : {ReinsertionConfig{.rounds = 0}, {.percent = 0.0f}}) {
     BinaryTree tree = build_lbvh(references);
-    reinsert_nodes(tree, config);
+    reinsert_nodes(tree, SahModel{}, config);
     EXPECT_EQ(area_sum(tree), area_sum(before));
   }
 }
 
 TEST(Reinsertion, RefusesBadParameters) {
   BinaryTree tree;
-  EXPECT_THROW(reinsert_nodes(tree, {.percent = -1.0f}), std::invalid_argument);
-  EXPECT_THROW(reinsert_nodes(tree, {.percent = 101.0f}), std::invalid_argument);
-  EXPECT_THROW(reinsert_nodes(tree, {.rounds = -1}), std::invalid_argument);
+  EXPECT_THROW(reinsert_nodes(tree, SahModel{}, {.percent = -1.0f}), std::invalid_argument);
+  EXPECT_THROW(reinsert_nodes(tree, SahModel{}, {.percent = 101.0f}), std::invalid_argument);
+  EXPECT_THROW(reinsert_nodes(tree, SahModel{}, {.rounds = -1}), std::invalid_argument);
 }
 
 }  // namespace

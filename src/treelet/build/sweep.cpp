@@ -3,8 +3,8 @@
 #include <array>
 #include <bit>
 #include <limits>
-#include <vector>
 
+#include <treelet/build/top_down.h>
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
 #include <treelet/primitive/radix_sort.h>
@@ -14,7 +14,6 @@ namespace treelet {
 namespace {
 
 constexpr std::size_t kGrain = 1 << 14;
-constexpr std::size_t kSerialReferences = 4096;
 
 /// References [begin, end) of each axis' order, to become the subtree at `slot`.
 struct Range {
@@ -53,9 +52,10 @@ class SweepBuilder {
   BinaryTree build() {
     for (int axis = 0; axis < 3; ++axis) sort_by_centroid(axis);
     const Stage stage{"sweep"};
-    std::vector<Range> level;
-    if (!tree_.empty()) level.push_back({0, references_.size(), kRoot});
-    while (!level.empty()) level = process_level(level);
+    if (tree_.empty()) return std::move(tree_);
+    split_top_down(
+        Range{0, references_.size(), kRoot}, [&](const Range& range) { return split(range); },
+        [&](const Range& range) { place_leaf(range); });
     return std::move(tree_);
   }
 
@@ -72,36 +72,8 @@ class SweepBuilder {
                  [&](std::size_t i) { order_[axis][i] = entries[i].value; });
   }
 
-  /// Small ranges are finished, large ones split once: the children make the next level.
-  std::vector<Range> process_level(const std::vector<Range>& level) {
-    std::vector<std::array<Range, 2>> children(level.size());
-    parallel_for(level.size(), 1, [&](std::size_t i) {
-      if (level[i].count() <= kSerialReferences) {
-        finish(level[i]);
-      } else {
-        children[i] = split(level[i]);
-      }
-    });
-    std::vector<Range> next;
-    for (const auto& pair : children) {
-      if (pair[0].count() > 0) next.insert(next.end(), pair.begin(), pair.end());
-    }
-    return next;
-  }
-
-  void finish(const Range& range) {
-    std::vector<Range> stack{range};
-    while (!stack.empty()) {
-      const Range top = stack.back();
-      stack.pop_back();
-      if (top.count() == 1) {
-        tree_.nodes[top.slot] = {{}, order_[0][top.begin], {}, 1};
-        continue;
-      }
-      const std::array<Range, 2> children = split(top);
-      stack.push_back(children[1]);
-      stack.push_back(children[0]);
-    }
+  void place_leaf(const Range& range) {
+    tree_.nodes[range.slot] = {{}, order_[0][range.begin], {}, 1};
   }
 
   std::array<Range, 2> split(const Range& range) {

@@ -8,6 +8,7 @@
 
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
+#include <treelet/optimize/best_tree.h>
 #include <treelet/optimize/reinsertion_search.h>
 
 // A round looks for the places of all its nodes at once, in the tree as it is, and then moves them
@@ -112,40 +113,17 @@ class Round {
     while (path.back() != kRoot) path.push_back(linked_.parent(path.back()));
   }
 
-  float area(std::uint32_t slot) const { return half_area(nodes_[slot].box()); }
+  float area(std::uint32_t slot) const { return linked_.area(slot); }
 
   bool is_touched(std::uint32_t slot) const { return touched_[slot / 2]; }
 
-  /// The sibling takes its parent's slot, which frees a pair for the node and its new sibling.
   void apply(const Reinsertion& move) {
-    const std::uint32_t parent = linked_.parent(move.from);
-    const std::uint32_t sibling = LinkedTree::sibling(move.from);
     const BinaryNode node = nodes_[move.from];
-    for (const std::uint32_t slot : {move.from, parent, move.to}) touched_[slot / 2] = true;
-    place(nodes_[sibling], parent);
-    if (parent != kRoot) fit_up_from(linked_.parent(parent));
-    const std::uint32_t pair = move.from & ~1u;
-    place(nodes_[move.to], pair);
-    place(node, pair + 1);
-    nodes_[move.to].index = pair;
-    linked_.parents[pair / 2] = move.to;
-    fit_up_from(move.to);
-  }
-
-  void place(const BinaryNode& node, std::uint32_t slot) {
-    nodes_[slot] = node;
-    if (!node.is_leaf()) linked_.parents[node.left() / 2] = slot;
-  }
-
-  /// Takes boxes and counts from below, from a node up to the root.
-  void fit_up_from(std::uint32_t slot) {
-    for (;; slot = linked_.parent(slot)) {
-      BinaryNode& node = nodes_[slot];
-      const BinaryNode &left = nodes_[node.left()], &right = nodes_[node.right()];
-      node.set_box(merge(left.box(), right.box()));
-      node.count = left.count + right.count;
-      if (slot == kRoot) return;
+    for (const std::uint32_t slot : {move.from, linked_.parent(move.from), move.to}) {
+      touched_[slot / 2] = true;
     }
+    linked_.remove(move.from);
+    linked_.insert(node, move.to, move.from & ~1u);
   }
 
   LinkedTree& linked_;
@@ -167,13 +145,18 @@ void check(const ReinsertionConfig& config) {
 
 }  // namespace
 
-void reinsert_nodes(BinaryTree& tree, const ReinsertionConfig& config) {
+void reinsert_nodes(BinaryTree& tree, const SahModel& sah, const ReinsertionConfig& config) {
   check(config);
   if (tree.reference_count() < 3) return;  // two leaves have one topology
   const Stage stage{"reinsert nodes"};
   LinkedTree linked(tree);
   const std::size_t count = std::size_t(double(tree.nodes.size()) * config.percent / 100.0);
-  for (int round = 0; round < config.rounds; ++round) Round(linked).run(count);
+  BestTree best(tree, sah);
+  for (int round = 0; round < config.rounds; ++round) {
+    Round(linked).run(count);
+    best.offer(tree);
+  }
+  best.restore(tree);
 }
 
 }  // namespace treelet

@@ -1,7 +1,5 @@
 #include <treelet/optimize/reinsertion_search.h>
 
-#include <treelet/core/parallel.h>
-
 // Taking node L out makes its parent P go away and its ancestors shrink. The search walks up from
 // there to the root, and at each ancestor, the pivot, looks for a better place below its other
 // child:
@@ -17,18 +15,6 @@
 // A place beside the pivot itself is looked at too.
 
 namespace treelet {
-namespace {
-
-constexpr std::size_t kGrain = 1 << 14;
-
-}  // namespace
-
-LinkedTree::LinkedTree(BinaryTree& to_link) : tree(to_link), parents(to_link.reference_count()) {
-  parallel_for(tree.nodes.size(), kGrain, [&](std::size_t slot) {
-    const BinaryNode& node = tree.nodes[slot];
-    if (node.count > 1) parents[node.left() / 2] = std::uint32_t(slot);
-  });
-}
 
 Reinsertion ReinsertionSearch::find(std::uint32_t from) {
   box_ = tree_[from].box();

@@ -3,22 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include <treelet/core/array.h>
-#include <treelet/tree/binary_tree.h>
+#include <treelet/optimize/linked_tree.h>
 
 namespace treelet {
-
-/// A tree and the slot of the node above each pair of slots.
-struct LinkedTree {
-  BinaryTree& tree;
-  Array<std::uint32_t> parents;  ///< by pair; of no meaning for the root's
-
-  explicit LinkedTree(BinaryTree& to_link);
-
-  std::uint32_t parent(std::uint32_t slot) const { return parents[slot / 2]; }
-  static std::uint32_t sibling(std::uint32_t slot) { return slot ^ 1; }
-  const BinaryNode& operator[](std::uint32_t slot) const { return tree.nodes[slot]; }
-};
 
 /// Where a node would go: beside `to`, under a new parent of both.
 struct Reinsertion {

@@ -26,7 +26,8 @@ DEVICE_BUILDERS = (
     "presplit(budget=30) > hploc > treelet",
 )
 HOST_BUILDERS = ("sweep", "sbvh")  # the references of quality: built on the CPU, moved to the device
-HOST_WORDS = (*HOST_BUILDERS, "reinsert")  # what the device does not have
+# What the device does not have.
+HOST_WORDS = (*HOST_BUILDERS, "binned", "ploc", "hlbvh", "gridsah", "reinsert", "insert", "rotate", "atr")
 _ORDER_KEYWORDS = ("reorder", "sort", "order")
 
 
