@@ -20,6 +20,7 @@ LAYERS = (
     "traverse",
     "query",
     "pipeline",
+    "file",
 )
 SUFFIXES = {".h", ".inl", ".cpp", ".cu", ".cuh"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

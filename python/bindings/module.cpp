@@ -9,4 +9,7 @@ NB_MODULE(_core, module) {
   bind_device(module);  // its methods take and give classes of the pipeline
   bind_device_memory(module);
   bind_query(module);
+  bind_point_queries(module);
+  bind_hit_lists(module);
+  bind_file(module);
 }

@@ -10,8 +10,11 @@ shadowed = bvh.occluded(origins, directions)
 from typing import TYPE_CHECKING, Any
 
 from . import cuda
-from ._core import __version__, set_thread_count, thread_count
+from ._core import FileError, __version__, set_thread_count, thread_count
+from ._hit_lists import AllHits, HitChunk
 from ._inputs import PrecisionWarning
+from ._load import load, mesh_hash
+from ._point_queries import ClosestPoints, Overlaps
 from .bvh import Bvh, Hits, Work, build, intersect_brute_force
 from .device_bvh import DeviceBvh
 from .recipes import Parameter, RecipeWord, parse_recipe, presets, recipe_words
@@ -21,10 +24,15 @@ if TYPE_CHECKING:
     from .mesh import Mesh, load_mesh
 
 __all__ = [
+    "AllHits",
     "Bvh",
+    "ClosestPoints",
     "DeviceBvh",
+    "FileError",
+    "HitChunk",
     "Hits",
     "Mesh",
+    "Overlaps",
     "Parameter",
     "PrecisionWarning",
     "RecipeWord",
@@ -35,7 +43,9 @@ __all__ = [
     "build",
     "cuda",
     "intersect_brute_force",
+    "load",
     "load_mesh",
+    "mesh_hash",
     "parse_recipe",
     "presets",
     "recipe_words",

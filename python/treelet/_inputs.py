@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._device import is_on_device
+from ._offset import ORIGIN, Offset, choose_offset, finite_bounds, largest_extent, subtract_offset
 
 FloatArray = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 FaceArray = np.ndarray[tuple[int, int], np.dtype[np.uint32]]
 
-_PLAIN = ["C_CONTIGUOUS", "ALIGNED"]  # what the compiled part reads; a slice of bytes may not be aligned
+# What the compiled part reads; a slice of bytes may not be aligned.
+_PLAIN: tuple[Literal["C_CONTIGUOUS"], Literal["ALIGNED"]] = ("C_CONTIGUOUS", "ALIGNED")
 _ROUNDING_TO_WARN = 2.0**-20  # of the extent: 16 times what a mesh around the origin suffers
 
 
@@ -23,10 +25,18 @@ class PrecisionWarning(UserWarning):
 
 
 class Vertices(NamedTuple):
-    """Converted vertices, and how far the conversion moved one at most."""
+    """Converted vertices, how far rounding moved one at most, and what was subtracted before."""
 
     array: FloatArray
     rounding: float
+    offset: Offset
+
+
+class Points(NamedTuple):
+    """Converted points: their shape without the last axis, and one a row."""
+
+    shape: tuple[int, ...]
+    array: FloatArray
 
 
 class Rays(NamedTuple):
@@ -36,6 +46,13 @@ class Rays(NamedTuple):
     arguments: tuple[int, FloatArray, FloatArray, FloatArray, FloatArray]
 
 
+class Volumes(NamedTuple):
+    """Converted balls or boxes: each array has one row for all or one each."""
+
+    shape: tuple[int, ...]
+    arguments: tuple[int, FloatArray, FloatArray]
+
+
 def as_recipe(recipe: str) -> str:
     """The recipe, if it is text at all; what it says is judged where it is parsed."""
     if not isinstance(recipe, str):
@@ -43,19 +60,25 @@ def as_recipe(recipe: str) -> str:
     return recipe
 
 
-def as_vertices(vertices: ArrayLike) -> Vertices:
-    """(V, 3) float32, C-contiguous."""
+def as_vertices(vertices: ArrayLike, offset: Offset | None = None) -> Vertices:
+    """(V, 3) float32, C-contiguous, relative to an offset.
+
+    None chooses one: the origin for float32, which is used as it is; else near the mesh where that is far.
+    """
     array = _as_numbers(vertices, "vertices")
     if array.size == 0 and array.ndim == 1:
         array = array.reshape(0, 3)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"vertices must have shape (V, 3), not {array.shape}")
-    if array.dtype == np.float32:
-        return Vertices(_to_float32(array), 0.0)
-    rounded = _to_float32(array)
-    rounding = _largest_rounding(array, rounded)
+    if offset is None:
+        offset = ORIGIN if _fits_float32(array.dtype) else choose_offset(array)
+    local = subtract_offset(array, offset)
+    rounded = _to_float32(local)
+    if local.dtype == np.float32:
+        return Vertices(rounded, 0.0, offset)
+    rounding = _largest_rounding(local, rounded)
     _warn_of_rounding(rounding, rounded)
-    return Vertices(rounded, rounding)
+    return Vertices(rounded, rounding, offset)
 
 
 def as_faces(faces: ArrayLike, vertex_count: int) -> FaceArray:
@@ -73,15 +96,51 @@ def as_faces(faces: ArrayLike, vertex_count: int) -> FaceArray:
     return np.require(array, np.uint32, _PLAIN)
 
 
-def as_rays(origins: ArrayLike, directions: ArrayLike, t_min: ArrayLike, t_max: ArrayLike) -> Rays:
-    """Broadcast rays without repeating in memory what is one for all."""
-    points, vectors = _as_vectors(origins, "origins"), _as_vectors(directions, "directions")
-    limits = [_to_float32(_as_numbers(t, name)) for t, name in ((t_min, "t_min"), (t_max, "t_max"))]
-    shape = broadcast_rays(points.shape, vectors.shape, limits[0].shape, limits[1].shape)
-    count = math.prod(shape)
-    rows = [_rows(points, (*shape, 3), (3,)), _rows(vectors, (*shape, 3), (3,))]
-    rows += [_rows(limit, shape, ()) for limit in limits]
-    return Rays(shape, (count, *rows))
+def as_rays(
+    origins: ArrayLike,
+    directions: ArrayLike,
+    t_min: ArrayLike,
+    t_max: ArrayLike,
+    offset: Offset = ORIGIN,
+) -> Rays:
+    """Broadcast rays without repeating in memory what is one for all; origins become relative to `offset`."""
+    points, vectors = _as_vectors(origins, "origins", offset), _as_vectors(directions, "directions")
+    first, last = _to_float32(_as_numbers(t_min, "t_min")), _to_float32(_as_numbers(t_max, "t_max"))
+    shape = broadcast_rays(points.shape, vectors.shape, first.shape, last.shape)
+    rows = _rows(points, (*shape, 3), (3,)), _rows(vectors, (*shape, 3), (3,))
+    return Rays(shape, (math.prod(shape), *rows, _rows(first, shape, ()), _rows(last, shape, ())))
+
+
+def as_points(points: ArrayLike, name: str = "points", offset: Offset = ORIGIN) -> Points:
+    """(..., 3) to rows of float32, relative to `offset`."""
+    array = _as_vectors(points, name, offset)
+    return Points(array.shape[:-1], array.reshape(-1, 3))
+
+
+def as_spheres(
+    centers: ArrayLike, radii: ArrayLike, names: tuple[str, str], offset: Offset = ORIGIN
+) -> Volumes:
+    """Broadcast centres and radii, which errors call by these names."""
+    points, lengths = _as_vectors(centers, names[0], offset), _to_float32(_as_numbers(radii, names[1]))
+    shape = _broadcast(names, points.shape[:-1], lengths.shape)
+    return Volumes(shape, (math.prod(shape), _rows(points, (*shape, 3), (3,)), _rows(lengths, shape, ())))
+
+
+def as_boxes(lower: ArrayLike, upper: ArrayLike, offset: Offset = ORIGIN) -> Volumes:
+    """Broadcast corners of boxes."""
+    corners = _as_vectors(lower, "lower", offset), _as_vectors(upper, "upper", offset)
+    shape = _broadcast(("lower", "upper"), corners[0].shape[:-1], corners[1].shape[:-1])
+    low, high = (_rows(corner, (*shape, 3), (3,)) for corner in corners)
+    return Volumes(shape, (math.prod(shape), low, high))
+
+
+def _broadcast(names: tuple[str, str], first: tuple[int, ...], second: tuple[int, ...]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(first, second)
+    except ValueError:
+        raise ValueError(
+            f"{names[0]} for {first} and {names[1]} for {second} cannot be broadcast against each other"
+        ) from None
 
 
 def broadcast_rays(
@@ -113,11 +172,15 @@ def _as_numbers(values: ArrayLike, name: str) -> np.ndarray[Any, np.dtype[Any]]:
     return array
 
 
-def _as_vectors(values: ArrayLike, name: str) -> FloatArray:
+def _as_vectors(values: ArrayLike, name: str, offset: Offset = ORIGIN) -> FloatArray:
     array = _as_numbers(values, name)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
-    return _to_float32(array)
+    return _to_float32(subtract_offset(array, offset))
+
+
+def _fits_float32(dtype: np.dtype[Any]) -> bool:
+    return dtype.kind == "f" and dtype.itemsize <= 4
 
 
 def _to_float32(array: np.ndarray[Any, np.dtype[Any]]) -> FloatArray:
@@ -139,12 +202,11 @@ def _largest_rounding(given: np.ndarray[Any, np.dtype[Any]], rounded: FloatArray
 
 
 def _warn_of_rounding(rounding: float, rounded: FloatArray) -> None:
-    finite = rounded[np.isfinite(rounded).all(axis=1)].astype(np.float64)
-    extent = float(np.max(np.ptp(finite, axis=0), initial=0.0)) if len(finite) else 0.0
+    extent = largest_extent(*finite_bounds(rounded))
     if rounding > _ROUNDING_TO_WARN * extent:
         warnings.warn(
             f"rounding the vertices to float32 moves them by up to {rounding:.3g}, in a mesh of extent "
-            f"{extent:.3g}: subtract an offset near the mesh from vertices and ray origins first",
+            f"{extent:.3g}: subtract an offset nearer to the mesh from vertices and ray origins first",
             PrecisionWarning,
             stacklevel=4,
         )

@@ -11,15 +11,20 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._answers import Hits, Work
 from ._device import is_on_device, require_current_device
+from ._files import TreeFiles
 from ._guard import UseGuard
-from ._inputs import as_faces, as_flag, as_rays, as_recipe, as_vertices
+from ._hit_lists import HitLists
+from ._inputs import Vertices, as_faces, as_rays, as_recipe, as_vertices
+from ._offset import Bounds, add_offset
+from ._point_queries import PointQueries
+from ._ray_queries import RayQueries
 from .device_bvh import DeviceBvh, build_on_device, move_to_device
 from .report import Report
 
 __all__ = ["Bvh", "Hits", "Work", "build", "intersect_brute_force"]
 
 
-class Bvh:
+class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
     """A bounding volume hierarchy over a triangle mesh, safe to query from many threads.
 
     It owns a copy of the triangles, and never changes unless it was built with `updatable=True`: then `refit`
@@ -28,14 +33,13 @@ class Bvh:
 
     Every query takes any leading shape: origins and directions (..., 3)
     and t_min and t_max (...) are broadcast against each other, and the answers have the broadcast shape.
-    Rays are rounded to float32. Rays with a NaN or infinite origin or direction, a zero direction or a
-    NaN limit miss.
+    Rays are rounded to float32, their origins relative to `offset`. Rays with a NaN or infinite origin or
+    direction, a zero direction or a NaN limit miss.
     """
 
     def __init__(
         self,
         core: _core.Bvh,
-        vertex_rounding: float = 0.0,
         updatable: _core.UpdatableBvh | None = None,
         *,
         is_moved: bool = False,
@@ -45,78 +49,8 @@ class Bvh:
         self._updatable = updatable
         self._guard = UseGuard() if updatable else None
         self._reading = self._guard.query if self._guard else nullcontext
-        self._report = Report(core, vertex_rounding, self._reading)
-
-    def intersect(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: ArrayLike = 0.0,
-        t_max: ArrayLike = np.inf,
-        *,
-        reorder: bool = False,
-    ) -> Hits:
-        """Find the closest hit of each ray: the smallest t in [t_min, t_max], of equal t the smaller face.
-
-        Watertight: no ray slips between triangles that share an edge or a vertex.
-
-        Args:
-            origins: (..., 3) float.
-            directions: (..., 3) float, of any length but zero; t counts in it.
-            t_min: (...) or scalar.
-            t_max: (...) or scalar, included.
-            reorder: sort the rays for coherence before they are traced. Pays for incoherent batches of a
-                million and more, in large scenes; answers stay in the order of the rays.
-
-        Returns:
-            Hits(t, face, u, v), arrays of the broadcast leading shape.
-
-        Raises:
-            ValueError: where the shapes do not fit each other.
-            TypeError: where an array does not hold numbers.
-        """
-        rays = as_rays(origins, directions, t_min, t_max)
-        with self._reading():
-            hits = _core.intersect(self._core, *rays.arguments, as_flag(reorder, "reorder"))
-        return Hits(*(array.reshape(rays.shape) for array in hits))
-
-    def occluded(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: ArrayLike = 0.0,
-        t_max: ArrayLike = np.inf,
-        *,
-        reorder: bool = False,
-    ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-        """Whether each ray hits anything in [t_min, t_max]. Arguments and errors as `intersect`.
-
-        Returns:
-            bool array of the broadcast leading shape. Faster than `intersect`: the first hit found ends it.
-        """
-        rays = as_rays(origins, directions, t_min, t_max)
-        with self._reading():
-            return _core.occluded(self._core, *rays.arguments, as_flag(reorder, "reorder")).reshape(
-                rays.shape
-            )
-
-    def traversal_cost(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: ArrayLike = 0.0,
-        t_max: ArrayLike = np.inf,
-        *,
-        reorder: bool = False,
-    ) -> Work:
-        """Count the work that `intersect` does for each ray. Arguments and errors as `intersect`.
-
-        The counts are the same on every machine, so they compare trees where timings are noisy.
-        """
-        rays = as_rays(origins, directions, t_min, t_max)
-        with self._reading():
-            counts = _core.traversal_cost(self._core, *rays.arguments, as_flag(reorder, "reorder"))
-        return Work(*(array.reshape(rays.shape) for array in counts))
+        self._offset, rounding = _core.placement(core)
+        self._report = Report(core, rounding, self._reading)
 
     def refit(self, vertices: ArrayLike) -> None:
         """Move the triangles to where the vertices are now and fit the boxes, but keep the tree's shape.
@@ -139,10 +73,10 @@ class Bvh:
             TypeError: for an array that does not hold numbers.
         """
         tree, guard = self._require_updatable()
-        points = as_vertices(vertices)
+        points = as_vertices(vertices, self._offset)
         with guard.update():
             tree.refit(points.array)
-            self._report = Report(self._core, points.rounding, self._reading)
+            self._report = Report(_place(self._core, points), points.rounding, self._reading)
 
     def rebuild(self, vertices: ArrayLike) -> None:
         """Run the whole recipe again over moved vertices. Arguments and errors as `refit`.
@@ -150,19 +84,25 @@ class Bvh:
         The tree is that of `treelet.build`; from the second rebuild on it takes no new memory.
         """
         tree, guard = self._require_updatable()
-        points = as_vertices(vertices)
+        points = as_vertices(vertices, self._offset)
         with guard.update():
             tree.rebuild(points.array)
-            self._report = Report(self._core, points.rounding, self._reading)
+            self._report = Report(_place(self._core, points), points.rounding, self._reading)
 
     def to(self, device: str, *, stream: Any = None) -> Bvh | DeviceBvh:
         """This tree elsewhere: "cuda" copies it to the current CUDA device and waits; "cpu" is where it is.
 
-        The current device's own name, as "cuda:0", is taken too. A copy cannot be updated.
+        A copy cannot be updated.
+
+        Args:
+            device: "cpu", "cuda" or the current device's own name, as "cuda:0".
+            stream: the CUDA stream to copy in: an address, a stream of torch or cupy, or anything with
+                `__cuda_stream__`; the default stream if None. Not used for "cpu".
 
         Raises:
             ValueError: for any other device.
-            RuntimeError: where there is no CUDA device.
+            TypeError: for a stream of another kind.
+            RuntimeError: where there is no CUDA device, and while another thread updates the tree.
         """
         if device == "cpu":
             return self
@@ -187,16 +127,23 @@ class Bvh:
         """List what is wrong with the tree, at most 20 sentences; empty for a sound one.
 
         Given the mesh again, it also checks that the tree holds that mesh's triangles, none missing.
+
+        Args:
+            vertices: (V, 3), where the mesh is now.
+            faces: (F, 3) integers.
+
+        Raises:
+            ValueError: for a wrong shape, or a face index out of range.
+            TypeError: for vertices without faces or faces without vertices, and for arrays that do not hold
+                numbers or lie on a CUDA device.
+            RuntimeError: while another thread updates the tree.
         """
-        if (vertices is None) != (faces is None):
+        if vertices is None and faces is None:
+            return self._ask(_core.Bvh.validate)
+        if vertices is None or faces is None:
             raise TypeError("validate takes both vertices and faces, or neither")
-        if vertices is None:
-            with self._reading():
-                return self._core.validate()
-        points = as_vertices(vertices).array
-        corners = as_faces(faces, len(points))
-        with self._reading():
-            return self._core.validate_against(points, corners)
+        points = as_vertices(vertices, self._offset).array
+        return self._ask(_core.Bvh.validate_against, points, as_faces(faces, len(points)))
 
     @property
     def report(self) -> Report:
@@ -209,10 +156,13 @@ class Bvh:
         return self._report.faces
 
     @property
-    def bounds(self) -> np.ndarray[tuple[int, int], np.dtype[np.float32]]:
-        """(2, 3) float32: lower and upper corner; inf and -inf for an empty tree."""
+    def bounds(self) -> Bounds:
+        """(2, 3) float32: lower and upper corner; inf and -inf for an empty tree.
+
+        float64 where `offset` is not zero, for the corners may lie between two float32.
+        """
         with self._reading():
-            return np.array(self._core.bounds, dtype=np.float32)
+            return add_offset(np.array(self._core.bounds, dtype=np.float32), self._offset)
 
     def __repr__(self) -> str:
         report = self._report
@@ -239,7 +189,8 @@ def build(
     tree, whatever the number of threads.
 
     Args:
-        vertices: (V, 3) float32. Other numbers are rounded to float32; where that moves a vertex by more
+        vertices: (V, 3) float32. Other numbers are rounded to float32, of a mesh far from the origin after
+            an offset near it was subtracted exactly (`Bvh.offset`). Where rounding moves a vertex by more
             than a millionth of the mesh's extent, a `treelet.PrecisionWarning` says so.
         faces: (F, 3) integer indices into vertices.
         recipe: the name of a preset (see `treelet.presets`) or the text of a recipe, such as
@@ -273,9 +224,15 @@ def build(
     corners = as_faces(faces, len(points.array))
     arguments = (points.array, corners, as_recipe(recipe), validate)
     if not updatable:
-        return Bvh(_core.build(*arguments), points.rounding)
+        return Bvh(_place(_core.build(*arguments), points))
     tree = _core.build_updatable(*arguments)
-    return Bvh(tree.bvh, points.rounding, tree)
+    return Bvh(_place(tree.bvh, points), tree)
+
+
+def _place(core: _core.Bvh, points: Vertices) -> _core.Bvh:
+    """The tree, which is told how its vertices became float32."""
+    _core.place(core, points.offset, points.rounding)
+    return core
 
 
 def intersect_brute_force(
@@ -287,8 +244,8 @@ def intersect_brute_force(
     t_max: ArrayLike = np.inf,
 ) -> Hits:
     """Answer `Bvh.intersect` by testing every triangle: slow, for checking. Arguments and errors as there."""
-    points = as_vertices(vertices).array
-    corners = as_faces(faces, len(points))
-    rays = as_rays(origins, directions, t_min, t_max)
-    hits = _core.intersect_brute_force(points, corners, *rays.arguments)
+    points = as_vertices(vertices)
+    corners = as_faces(faces, len(points.array))
+    rays = as_rays(origins, directions, t_min, t_max, points.offset)
+    hits = _core.intersect_brute_force(points.array, corners, *rays.arguments)
     return Hits(*(array.reshape(rays.shape) for array in hits))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._inputs import as_vertices
+from ._offset import ORIGIN
 from .ply import read_ply
 from .polygon_text import read_obj, read_off
 from .stl import read_stl
@@ -55,11 +56,12 @@ class Mesh:
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
     def rounded(self) -> Mesh:
-        """The mesh that trees are built over: this one, or one with its vertices rounded to float32.
+        """This mesh, or one with its vertices rounded to float32 where they are.
 
-        Issues a `treelet.PrecisionWarning` where `treelet.build` would.
+        Issues a `treelet.PrecisionWarning` where that moves one visibly: `treelet.build`, given the mesh
+        itself, would subtract an offset first.
         """
-        vertices = as_vertices(self.vertices).array
+        vertices = as_vertices(self.vertices, ORIGIN).array
         return self if self.vertices.dtype == np.float32 else replace(self, vertices=vertices)
 
     def __repr__(self) -> str:

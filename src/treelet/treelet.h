@@ -9,6 +9,8 @@
 #include <treelet/core/parallel.h>
 #include <treelet/core/ray.h>
 #include <treelet/core/vec.h>
+#include <treelet/file/load.h>
+#include <treelet/file/save.h>
 #include <treelet/layout/epo.h>
 #include <treelet/layout/validate_layout.h>
 #include <treelet/mesh/mesh.h>
@@ -17,4 +19,8 @@
 #include <treelet/pipeline/device_bvh.h>
 #include <treelet/pipeline/recipe.h>
 #include <treelet/pipeline/update.h>
+#include <treelet/query/all_hits.h>
+#include <treelet/query/closest_point.h>
+#include <treelet/query/hit_counts.h>
 #include <treelet/query/intersect.h>
+#include <treelet/query/overlap.h>

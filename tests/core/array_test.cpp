@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <memory>
 #include <numeric>
+#include <vector>
 
 namespace treelet {
 namespace {
@@ -74,6 +76,30 @@ TEST(Array, CloneIsACopyOfItsOwn) {
 
 TEST(Array, CloneTakesAnySize) {
   for (const std::size_t size : {0, 1, 100}) expect_counting(make_counting(size).clone(), size);
+}
+
+TEST(Array, BorrowsValuesAndKeepsTheirOwner) {
+  const auto values = std::make_shared<const std::vector<int>>(std::vector<int>{0, 1, 2});
+  {
+    const Array<int> array = Array<int>::borrow(*values, values);
+    EXPECT_EQ(std::as_const(array).data(), values->data());
+    EXPECT_EQ(values.use_count(), 2);
+    const Array<int> copy = array.clone();
+    EXPECT_NE(copy.data(), values->data());
+    expect_counting(copy, 3);
+  }
+  EXPECT_EQ(values.use_count(), 1);
+}
+
+TEST(Array, MovesWhatItBorrows) {
+  const auto values = std::make_shared<const std::vector<int>>(std::vector<int>{0, 1, 2});
+  Array<int> source = Array<int>::borrow(*values, values), target(5, 7);
+  target = std::move(source);
+  EXPECT_EQ(target.data(), values->data());
+  source = Array<int>();  // NOLINT(bugprone-use-after-move): what the swap left there is freed
+  const Array<int> last = std::move(target);
+  expect_counting(last, 3);
+  EXPECT_EQ(values.use_count(), 2);
 }
 
 TEST(Array, ConvertsToASpan) {

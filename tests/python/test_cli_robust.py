@@ -21,7 +21,7 @@ SMALL = ["--triangles", "1000"]
 PICTURE = ["--size", "16x10", "--samples", "1"]
 ROUNDING = (
     "treelet: warning: rounding the vertices to float32 moves them by up to 0.249, in a mesh of extent 200: "
-    "subtract an offset near the mesh from vertices and ray origins first"
+    "subtract an offset nearer to the mesh from vertices and ray origins first"
 )
 
 _plain_terminal = plain_terminal
@@ -37,7 +37,6 @@ def write_ball(path, scale=1.0, offset=0.0, dtype=np.float64):
 @pytest.mark.parametrize(
     "command",
     [
-        ["build"],
         ["info", "--bvh"],
         ["validate", "--rays", "8"],
         ["render", *PICTURE, "-o", "a.png"],
@@ -50,6 +49,11 @@ def test_rounding_is_one_line_of_warning(tmp_path, monkeypatch, command):
     write_ball(tmp_path / "far.npz", 100.0, 5e6)
     lines = run_cli(command[0], "far.npz", *command[1:]).stderr.splitlines()
     assert [line for line in lines if not line.startswith("wrote ")] == [ROUNDING]
+
+
+def test_a_build_keeps_an_offset_instead_of_rounding(tmp_path):
+    write_ball(tmp_path / "far.npz", 100.0, 5e6)
+    assert run_cli("build", tmp_path / "far.npz").stderr == ""
 
 
 @pytest.mark.parametrize("scale", [1e19, 1e37, 3.4e38])

@@ -1,4 +1,4 @@
-"""`treelet info`: facts about a mesh."""
+"""`treelet info`: facts about a mesh, or about a tree in a file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import typer
 
 from treelet.cli.options import (
     JsonOption,
-    MeshArgument,
+    MeshOrTreeArgument,
     RecipeOption,
     SeedOption,
     ThreadsOption,
@@ -17,7 +17,7 @@ from treelet.cli.options import (
 
 
 def info(
-    mesh: MeshArgument,
+    mesh: MeshOrTreeArgument,
     bvh: Annotated[bool, typer.Option("--bvh", help="Build a tree too, and print its statistics.")] = False,
     recipe: RecipeOption = "balanced",
     triangles: TrianglesOption = None,
@@ -25,14 +25,18 @@ def info(
     threads: ThreadsOption = 0,
     json: JsonOption = False,
 ) -> None:
-    """Print what a mesh is like: size, bounds, flaws, open edges."""
+    """Print what a mesh is like: size, bounds, flaws, open edges; or what is in a saved tree."""
     import treelet
     from treelet.cli.facts import gather_facts
     from treelet.cli.inputs import load_subject, use_threads
     from treelet.cli.output import print_json
+    from treelet.cli.saved_tree import is_saved_tree, show_saved_tree
     from treelet.cli.tree_tables import print_leaf_histogram, print_statistics, tree_facts
 
     use_threads(threads)
+    if is_saved_tree(mesh):
+        show_saved_tree(mesh, json)
+        return
     subject = load_subject(mesh, triangles, seed)
     facts = gather_facts(subject)
     tree = treelet.build(subject.vertices, subject.faces, recipe=recipe) if bvh else None

@@ -14,6 +14,13 @@ MeshArgument = Annotated[
         help="Mesh file (ply, obj, stl, off, glb, npz) or name of a scene, see `treelet list`.",
     ),
 ]
+MeshOrTreeArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="MESH",
+        help="Mesh file (ply, obj, stl, off, glb, npz), saved tree (treelet) or name of a scene.",
+    ),
+]
 OptionalMeshArgument = Annotated[
     str | None,
     typer.Argument(metavar="MESH", help="Mesh file (ply, obj, stl, off, glb, npz) or name of a scene."),

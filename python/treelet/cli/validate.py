@@ -9,7 +9,7 @@ import typer
 from treelet.cli.errors import CHECK_FAILED
 from treelet.cli.options import (
     JsonOption,
-    MeshArgument,
+    MeshOrTreeArgument,
     RecipeOption,
     SeedOption,
     ThreadsOption,
@@ -21,7 +21,7 @@ _TESTS_AT_ONCE = 50_000_000  # rays by triangles, half a second or so: then Ctrl
 
 
 def validate(
-    mesh: MeshArgument,
+    mesh: MeshOrTreeArgument,
     recipe: RecipeOption = "balanced",
     rays: Annotated[
         int, typer.Option("--rays", metavar="N", min=0, help="Rays checked against all triangles.")
@@ -34,13 +34,18 @@ def validate(
     threads: ThreadsOption = 0,
     json: JsonOption = False,
 ) -> None:
-    """Check a mesh, its tree after every build stage, and sample rays against brute force."""
+    """Check a mesh, its tree after every build stage, sample rays against brute force; or a saved tree."""
     import treelet
     from treelet.cli.facts import gather_facts
     from treelet.cli.inputs import load_subject, use_threads
     from treelet.cli.output import print_json
+    from treelet.cli.saved_tree import check_saved_tree, is_saved_tree
 
     use_threads(threads)
+    if is_saved_tree(mesh):
+        if not check_saved_tree(mesh, json):
+            raise typer.Exit(CHECK_FAILED)
+        return
     recipe = treelet.parse_recipe(recipe)
     subject = load_subject(mesh, triangles, seed)
     facts = gather_facts(subject)

@@ -97,7 +97,7 @@ Allocation::Allocation(std::size_t bytes) {
 }
 
 Allocation::~Allocation() {
-  if (memory_ == nullptr) return;
+  if (memory_ == nullptr || owner_ != nullptr) return;
   if (const std::shared_ptr<Arena> arena = home_.lock()) {
     arena->take_back(memory_);
   } else {

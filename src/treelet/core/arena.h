@@ -64,16 +64,22 @@ class ArenaScope {
 };
 
 /// Memory that goes back where it came from: to its arena, or to the system where there is none.
+/// Or memory of somebody else's, to be read only, whose owner it keeps alive.
 class Allocation {
  public:
   Allocation() = default;
   /// Throws std::bad_alloc.
   explicit Allocation(std::size_t bytes);
+  Allocation(const void* borrowed, std::shared_ptr<const void> owner)
+      : memory_(const_cast<void*>(borrowed)), owner_(std::move(owner)) {}
   Allocation(Allocation&& other) noexcept
-      : memory_(std::exchange(other.memory_, nullptr)), home_(std::move(other.home_)) {}
+      : memory_(std::exchange(other.memory_, nullptr)),
+        home_(std::move(other.home_)),
+        owner_(std::move(other.owner_)) {}
   Allocation& operator=(Allocation&& other) noexcept {
     std::swap(memory_, other.memory_);
     std::swap(home_, other.home_);
+    std::swap(owner_, other.owner_);
     return *this;
   }
   ~Allocation();
@@ -83,6 +89,7 @@ class Allocation {
  private:
   void* memory_ = nullptr;
   std::weak_ptr<Arena> home_;
+  std::shared_ptr<const void> owner_;  // null: the memory is this one's own
 };
 
 }  // namespace treelet

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -12,7 +13,8 @@ namespace treelet {
 
 /// Owns `size` values on a cache-line boundary, uninitialised at first: every array here is written
 /// by the stage that makes it, and clearing it before would cost as much as the stage. Memory comes
-/// from the arena of the thread that makes it, if any (core/arena.h).
+/// from the arena of the thread that makes it, if any (core/arena.h). An array may also borrow
+/// values, of a mapped file for one; it must not be written to then.
 template <class T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -24,6 +26,13 @@ class Array {
   Array(std::size_t size, const T& value) : Array(size) { std::fill(begin(), end(), value); }
   Array(Array&& other) noexcept
       : allocation_(std::move(other.allocation_)), size_(std::exchange(other.size_, 0)) {}
+  /// `owner` keeps the values alive for as long as the array does.
+  static Array borrow(std::span<const T> values, std::shared_ptr<const void> owner) {
+    Array array;
+    array.allocation_ = Allocation(values.data(), std::move(owner));
+    array.size_ = values.size();
+    return array;
+  }
   Array& operator=(Array&& other) noexcept {
     allocation_ = std::move(other.allocation_);  // swaps
     std::swap(size_, other.size_);

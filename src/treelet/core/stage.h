@@ -1,13 +1,14 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 #include <vector>
 
 namespace treelet {
 
 /// Wall-clock time of one named part of a build.
 struct StageTime {
-  const char* name;  // a string literal
+  std::string name;
   double seconds;
 };
 

@@ -4,6 +4,7 @@
 
 #include <treelet/layout/child_view.h>
 #include <treelet/layout/cover.h>
+#include <treelet/layout/cwbvh_meta.h>
 #include <treelet/layout/face_positions.h>
 #include <treelet/primitive/split_steps.h>
 #include <treelet/tree/violations.h>
@@ -71,20 +72,11 @@ class TreeValidator {
     for (int i = 0; i < CwbvhNode::kChildren; ++i) {
       next_node_ += node.is_node(i);
       next_triangle_ += node.is_leaf(i) ? node.triangle_count(i) : 0;
-      check_meta(node, index, i);
+      if (!has_sound_meta(node, i)) {
+        violations_.add(name(index, i) + " is neither a node nor a leaf");
+      }
     }
     return in_order;
-  }
-
-  void check_meta(const CwbvhNode& node, std::uint32_t index, int i) {
-    const auto is_leaf_meta = [&] {
-      const std::uint32_t count = node.triangle_count(i), offset = node.meta[i] & 31u;
-      return count > 0 && node.meta[i] == CwbvhNode::leaf_meta(offset, count) &&
-             offset + count <= CwbvhNode::kNodeOffset;
-    };
-    const bool is_sound = node.is_node(i) ? node.meta[i] == CwbvhNode::node_meta(i)
-                                          : node.is_none(i) || is_leaf_meta();
-    if (!is_sound) violations_.add(name(index, i) + " is neither a node nor a leaf");
   }
 
   /// What of a child's box rays can reach.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <variant>
@@ -10,7 +11,12 @@
 #include <treelet/layout/bvh8.h>
 #include <treelet/layout/cwbvh.h>
 #include <treelet/layout/statistics.h>
+#include <treelet/query/all_hits.h>
+#include <treelet/query/closest_point.h>
+#include <treelet/query/hit_counts.h>
 #include <treelet/query/intersect.h>
+#include <treelet/query/lazy_moments.h>
+#include <treelet/query/overlap.h>
 #include <treelet/tree/sah.h>
 
 namespace treelet {
@@ -38,12 +44,22 @@ struct BuildReport {
   UpdateReport update{};
 };
 
+/// How coordinates in doubles became the mesh's floats: float(coordinate - offset), the difference
+/// in doubles. The caller does that, and with origins of rays; the tree remembers it
+/// (docs/precision.md).
+struct Placement {
+  std::array<double, 3> offset{};
+  double rounding = 0.0;  ///< how far rounding to float moved a vertex, at most
+};
+
 /// A built tree. Immutable, owns a copy of its triangles, and may be queried from many threads. For
 /// meshes that move there is UpdatableBvh (pipeline/update.h).
 struct Bvh {
   std::variant<Bvh2, Bvh8, Cwbvh> layout;
   SahModel sah;
   BuildReport report;
+  Placement placement{};
+  LazyMoments moments{};  ///< for winding_number
 
   /// Closest hit; of equal t the smaller face.
   Hit intersect(const Ray& ray) const;
@@ -56,6 +72,27 @@ struct Bvh {
   void find_occluded(const RayBatch& rays, std::span<bool> occluded) const;
   /// What finding each ray's closest hit takes.
   void count_work(const RayBatch& rays, std::span<Work> work) const;
+
+  // Every hit by the fill rule (query/hit_counts.h), sorted by (t, face): query/all_hits.h.
+  std::vector<Hit> intersect_all(const Ray& ray, const AllHitsOptions& options = {}) const;
+  AllHits intersect_all(const RayBatch& rays, const AllHitsOptions& options = {}) const;
+  void stream_hits(const RayBatch& rays, std::size_t max_hits, const AllHitsOptions& options,
+                   const std::function<void(HitChunk&&)>& show) const;
+  std::int64_t count_hits(const Ray& ray) const;
+  void count_hits(const RayBatch& rays, std::span<std::int64_t> counts) const;
+
+  /// The nearest point of the mesh, if it is at most `max_distance` away: query/closest_point.h.
+  ClosestPoint closest_point(Vec3 point,
+                             float max_distance = std::numeric_limits<float>::infinity()) const;
+  void closest_point(const PointBatch& points, const ClosestPointArrays& answers) const;
+  // Of a closed mesh, exact: query/contains.h. Each span holds one answer a point.
+  void contains(const PointBatch& points, std::span<bool> answers) const;
+  void signed_distance(const PointBatch& points, std::span<float> answers) const;
+  /// Of any mesh: query/winding_number.h. The first call makes 52 bytes a child.
+  void winding_number(const PointBatch& points, float accuracy, std::span<float> answers) const;
+  // Faces that meet boxes and balls: query/overlap.h.
+  Overlaps overlap_boxes(const BoxBatch& boxes) const;
+  Overlaps overlap_spheres(const PointBatch& spheres) const;
 
   Aabb bounds() const;
   /// End-point overlap; see layout/epo.h.

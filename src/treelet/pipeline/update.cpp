@@ -45,6 +45,7 @@ void UpdatableBvh::refit(std::span<const Vec3> vertices) {
   const auto start = std::chrono::steady_clock::now();
   const RefitResult result =
       std::visit([&](auto& layout) { return treelet::refit(layout, mesh, bvh_.sah); }, bvh_.layout);
+  bvh_.moments.forget();
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   bvh_.report.update = {.refits = bvh_.report.update.refits + 1,
                         .seconds = elapsed.count(),
