@@ -44,6 +44,15 @@ TEST(Build, ReportsCounts) {
   EXPECT_GT(bvh.report.left_out_degenerate, 0u);
 }
 
+TEST(Build, OfAnLbvhGivesTheSameBytesWithAndWithoutTheTreeBetween) {
+  const test::OwnedMesh mesh = test::soup_with_bad_faces(20'000, 6);
+  const Bvh quick = build(mesh.view(), "fast");
+  const Bvh checked = build(mesh.view(), "fast", {.validate = true});
+  EXPECT_EQ(stage_names(quick).size() + 1, stage_names(checked).size());
+  EXPECT_TRUE(test::equal_bytes(quick, checked));
+  EXPECT_EQ(quick.report.sah, checked.report.sah);
+}
+
 TEST(Build, ReportsTheTree) {
   const test::OwnedMesh mesh = test::triangle_soup(1000, 4);
   const Bvh bvh = build(mesh.view(), "lbvh > bvh2(leaf=4)");

@@ -61,7 +61,7 @@ TEST(Presets, StandForTheirRecipes) {
   }
   EXPECT_EQ(parse_recipe("fast").text(), "lbvh > bvh8(leaf=8)");
   EXPECT_EQ(parse_recipe("balanced").text(),
-            "lbvh > treelet(size=7, rounds=3, gamma=0) > bvh8(leaf=8)");
+            "lbvh > treelet(size=7, rounds=2, gamma=14) > bvh8(leaf=8)");
 }
 
 }  // namespace

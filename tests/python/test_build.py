@@ -133,7 +133,7 @@ def test_validate_against_another_mesh():
 def test_repr():
     text = repr(treelet.build(*grid(100)))
     assert text.startswith(
-        "<treelet.Bvh of 20,000 faces: lbvh > treelet(size=7, rounds=3, gamma=0) > bvh8(leaf=8)"
+        "<treelet.Bvh of 20,000 faces: lbvh > treelet(size=7, rounds=2, gamma=14) > bvh8(leaf=8)"
     )
     assert "\n" not in text
 

@@ -14,7 +14,7 @@ TREELET = "treelet(size=7, rounds=3, gamma=0)"
     ("text", "meaning"),
     [
         ("fast", "lbvh > bvh8(leaf=8)"),
-        ("balanced", f"lbvh > {TREELET} > bvh8(leaf=8)"),
+        ("balanced", "lbvh > treelet(size=7, rounds=2, gamma=14) > bvh8(leaf=8)"),
         ("lbvh", "lbvh > bvh8(leaf=8)"),
         ("sweep", "sweep > bvh8(leaf=8)"),
         ("lbvh>bvh2", "lbvh > bvh2(leaf=8)"),

@@ -108,6 +108,6 @@ def test_validation_is_a_stage_of_its_own(report):
 def test_repr(report):
     text = repr(report)
     assert text.startswith(
-        "Report(recipe='lbvh > treelet(size=7, rounds=3, gamma=0) > bvh8(leaf=8)', build_seconds="
+        "Report(recipe='lbvh > treelet(size=7, rounds=2, gamma=14) > bvh8(leaf=8)', build_seconds="
     )
     assert "\n" not in text

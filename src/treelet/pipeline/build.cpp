@@ -5,15 +5,23 @@
 #include <stdexcept>
 #include <utility>
 
+#include <treelet/build/binned.h>
+#include <treelet/build/grid_sah.h>
+#include <treelet/build/hlbvh.h>
 #include <treelet/build/hploc.h>
 #include <treelet/build/lbvh.h>
+#include <treelet/build/ploc.h>
 #include <treelet/build/sbvh.h>
 #include <treelet/build/sweep.h>
+#include <treelet/layout/collapse_lbvh.h>
 #include <treelet/layout/leaf_collapse.h>
 #include <treelet/layout/pack_bvh2.h>
 #include <treelet/layout/pack_bvh8.h>
 #include <treelet/layout/pack_cwbvh.h>
+#include <treelet/optimize/agglomeration.h>
+#include <treelet/optimize/insertion.h>
 #include <treelet/optimize/reinsertion.h>
+#include <treelet/optimize/rotation.h>
 #include <treelet/optimize/treelet.h>
 #include <treelet/primitive/split.h>
 #include <treelet/tree/validate.h>
@@ -34,6 +42,28 @@ BinaryTree run_hploc(References& references, const Mesh&, const SahModel&,
   return build_hploc(references, {.radius = int(stage.value("radius"))});
 }
 
+BinaryTree run_ploc(References& references, const Mesh&, const SahModel&,
+                    const RecipeStage& stage) {
+  return build_ploc(references, {.radius = int(stage.value("radius"))});
+}
+
+BinaryTree run_hlbvh(References& references, const Mesh&, const SahModel&,
+                     const RecipeStage& stage) {
+  return build_hlbvh(references,
+                     {.bits = int(stage.value("bits")), .bins = int(stage.value("bins"))});
+}
+
+BinaryTree run_grid_sah(References& references, const Mesh&, const SahModel&,
+                        const RecipeStage& stage) {
+  return build_grid_sah(references,
+                        {.bits = int(stage.value("bits")), .bins = int(stage.value("bins"))});
+}
+
+BinaryTree run_binned(References& references, const Mesh&, const SahModel&,
+                      const RecipeStage& stage) {
+  return build_binned(references, {.bins = int(stage.value("bins"))});
+}
+
 BinaryTree run_sweep(References& references, const Mesh&, const SahModel&, const RecipeStage&) {
   return build_sweep(references);
 }
@@ -50,15 +80,35 @@ void run_treelet(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage
   restructure_treelets(tree, sah, config);
 }
 
-void run_reinsert(BinaryTree& tree, const SahModel&, const RecipeStage& stage) {
-  reinsert_nodes(tree,
+void run_reinsert(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
+  reinsert_nodes(tree, sah,
                  {.percent = float(stage.value("percent")), .rounds = int(stage.value("rounds"))});
+}
+
+void run_insert(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
+  insert_nodes(tree, sah,
+               {.percent = float(stage.value("percent")),
+                .batches = int(stage.value("batches")),
+                .seed = std::uint32_t(stage.value("seed"))});
+}
+
+void run_rotate(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
+  rotate_nodes(tree, sah,
+               {.rounds = int(stage.value("rounds")),
+                .anneal = int(stage.value("anneal")),
+                .seed = std::uint32_t(stage.value("seed"))});
+}
+
+void run_agglomerate(BinaryTree& tree, const SahModel& sah, const RecipeStage& stage) {
+  agglomerate_treelets(tree, sah,
+                       {.size = int(stage.value("size")), .rounds = int(stage.value("rounds"))});
 }
 
 /// A tree and what it was built over. A packer takes both, and lets go of them when it can.
 struct Built {
   References references;
   BinaryTree tree;
+  bool is_to_be_emitted = false;  ///< the tree is an LBVH that has been left to the packer
 };
 
 using Layout = decltype(Bvh::layout);
@@ -69,15 +119,21 @@ struct Packed {
 using Packer = Packed (*)(Built, const Mesh&, const SahModel&, const RecipeStage&);
 
 Packed run_bvh2(Built built, const Mesh& mesh, const SahModel& sah, const RecipeStage&) {
-  return {pack_bvh2(built.tree, built.references, mesh, sah),
-          collapsed_sah_cost(built.tree, built.references, sah)};
+  const LeafCollapse collapse = collapse_leaves(built.tree, built.references, sah);
+  return {lay_out_bvh2(built.tree, built.references, mesh, collapse), collapse.sah};
+}
+
+/// Of an LBVH that nothing has been decided about, the tree itself is never written.
+WideCollapse collapse_for_bvh8(const Built& built, const SahModel& sah, const RecipeStage& stage) {
+  const WideCostModel model{.leaf_limit = std::uint32_t(stage.value("leaf"))};
+  check_bvh8_model(model);
+  return built.is_to_be_emitted ? collapse_lbvh(built.references, model, sah)
+                                : collapse_wide(built.tree, built.references, model, sah);
 }
 
 Packed run_bvh8(Built built, const Mesh& mesh, const SahModel& sah, const RecipeStage& stage) {
-  const WideCostModel model{.leaf_limit = std::uint32_t(stage.value("leaf"))};
-  check_bvh8_model(model);
-  WideCollapse collapse = collapse_wide(built.tree, built.references, model, sah);
-  const Bvh8Plan plan = plan_bvh8(built.tree, built.references, collapse);
+  WideCollapse collapse = collapse_for_bvh8(built, sah, stage);
+  const Bvh8Plan plan = plan_bvh8(collapse, built.references, built.tree);
   const double cost = collapse.sah;
   // In this order: an arena would lend the layout the larger blocks of what is let go.
   Bvh8 bvh = allocate_bvh8(plan);
@@ -89,8 +145,8 @@ Packed run_bvh8(Built built, const Mesh& mesh, const SahModel& sah, const Recipe
 
 Packed run_cwbvh(Built built, const Mesh& mesh, const SahModel& sah, const RecipeStage& stage) {
   const CwbvhCostModel model{.leaf_limit = std::uint32_t(stage.value("leaf"))};
-  return {pack_cwbvh(built.tree, built.references, mesh, model),
-          collapsed_sah_cost(built.tree, built.references, sah)};
+  const WideCollapse collapse = collapse_wide(built.tree, built.references, model.checked(), sah);
+  return {lay_out_cwbvh(built.tree, built.references, mesh, collapse), collapse.sah};
 }
 
 template <class Function>
@@ -99,10 +155,19 @@ struct Entry {
   Function run;
 };
 
-constexpr std::array<Entry<Builder>, 4> kBuilders{
-    {{"lbvh", run_lbvh}, {"hploc", run_hploc}, {"sweep", run_sweep}, {"sbvh", run_sbvh}}};
-constexpr std::array<Entry<Optimizer>, 2> kOptimizers{
-    {{"treelet", run_treelet}, {"reinsert", run_reinsert}}};
+constexpr std::array<Entry<Builder>, 8> kBuilders{{{"lbvh", run_lbvh},
+                                                   {"hploc", run_hploc},
+                                                   {"ploc", run_ploc},
+                                                   {"hlbvh", run_hlbvh},
+                                                   {"gridsah", run_grid_sah},
+                                                   {"binned", run_binned},
+                                                   {"sweep", run_sweep},
+                                                   {"sbvh", run_sbvh}}};
+constexpr std::array<Entry<Optimizer>, 5> kOptimizers{{{"treelet", run_treelet},
+                                                       {"reinsert", run_reinsert},
+                                                       {"insert", run_insert},
+                                                       {"rotate", run_rotate},
+                                                       {"atr", run_agglomerate}}};
 constexpr std::array<Entry<Packer>, 3> kPackers{
     {{"bvh2", run_bvh2}, {"bvh8", run_bvh8}, {"cwbvh", run_cwbvh}}};
 
@@ -166,6 +231,8 @@ class Pipeline {
   Built build_tree(const SahModel& sah) const {
     Built built{make_references(), {}};
     const std::string_view builder = recipe_.builder.word->name;
+    built.is_to_be_emitted = may_emit_while_packing(built.references);
+    if (built.is_to_be_emitted) return built;
     built.tree = find_function(kBuilders, builder)(built.references, mesh_, sah, recipe_.builder);
     check(builder, built);
     for (const RecipeStage& stage : recipe_.optimizers) {
@@ -173,6 +240,13 @@ class Pipeline {
       check(stage.word->name, built);
     }
     return built;
+  }
+
+  /// The fast way of `lbvh > bvh8`: the same layout without the tree between.
+  bool may_emit_while_packing(const References& references) const {
+    return recipe_.builder.word->name == "lbvh" && recipe_.optimizers.empty() &&
+           recipe_.layout.word->name == "bvh8" && !references.may_repeat_faces &&
+           !options_.validate;
   }
 
   void check(std::string_view stage, const Built& built) const {

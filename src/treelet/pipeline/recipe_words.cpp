@@ -2,11 +2,19 @@
 
 #include <array>
 
+#include <treelet/build/binned.h>
+#include <treelet/build/grid_sah.h>
+#include <treelet/build/hlbvh.h>
 #include <treelet/build/hploc.h>
+#include <treelet/build/node_bins.h>
+#include <treelet/build/ploc.h>
 #include <treelet/build/sbvh.h>
 #include <treelet/layout/bvh8.h>
 #include <treelet/layout/cwbvh.h>
+#include <treelet/optimize/agglomeration.h>
+#include <treelet/optimize/insertion.h>
 #include <treelet/optimize/reinsertion.h>
+#include <treelet/optimize/rotation.h>
 #include <treelet/optimize/subset_tables.h>
 
 namespace treelet {
@@ -21,6 +29,27 @@ constexpr std::array<WordParameter, 1> kHplocParameters{{
      "clusters on either side among which the nearest is looked for"},
 }};
 
+constexpr std::array<WordParameter, 1> kPlocParameters{{
+    {"radius", PlocConfig{}.radius, kMinPlocRadius, kMaxPlocRadius,
+     "clusters on either side among which the nearest is looked for"},
+}};
+
+constexpr WordParameter kBinsParameter{"bins", BinnedConfig{}.bins, kMinNodeBins, kMaxNodeBins,
+                                       "of an axis, between which nodes are parted"};
+
+constexpr std::array<WordParameter, 1> kBinnedParameters{{kBinsParameter}};
+
+constexpr std::array<WordParameter, 2> kHlbvhParameters{{
+    {"bits", HlbvhConfig{}.bits, 0, kMaxHlbvhBits, "of the Morton codes that make the clusters"},
+    kBinsParameter,
+}};
+
+constexpr std::array<WordParameter, 2> kGridSahParameters{{
+    {"bits", GridSahConfig{}.bits, kMinGridBits, kMaxGridBits,
+     "of the Morton codes that a grid takes"},
+    kBinsParameter,
+}};
+
 constexpr std::array<WordParameter, 1> kSbvhParameters{{
     {"budget", SbvhConfig{}.budget, 0, 300, "references added at most, in percent of those before"},
 }};
@@ -28,6 +57,24 @@ constexpr std::array<WordParameter, 1> kSbvhParameters{{
 constexpr std::array<WordParameter, 2> kReinsertParameters{{
     {"percent", ReinsertionConfig{}.percent, 0, 10, "of all nodes, the largest, are looked at"},
     {"rounds", ReinsertionConfig{}.rounds, 0, 16, "passes over the tree"},
+}};
+
+constexpr std::array<WordParameter, 3> kInsertParameters{{
+    {"percent", InsertionConfig{}.percent, 0, 10, "of the internal nodes, in a batch"},
+    {"batches", InsertionConfig{}.batches, 0, 1000, "at most; ends where they stop to help"},
+    {"seed", InsertionConfig{}.seed, 0, 1e9, "of batches that are picked at random"},
+}};
+
+constexpr std::array<WordParameter, 3> kRotateParameters{{
+    {"rounds", RotationConfig{}.rounds, 0, 100, "passes over the tree at most"},
+    {"anneal", RotationConfig{}.anneal, 0, 1000, "passes that take rotations for the worse, too"},
+    {"seed", RotationConfig{}.seed, 0, 1e9, "of those passes"},
+}};
+
+constexpr std::array<WordParameter, 2> kAgglomerateParameters{{
+    {"size", AgglomerationConfig{}.size, kMinAgglomeratedSize, kMaxAgglomeratedSize,
+     "leaves of a treelet"},
+    {"rounds", AgglomerationConfig{}.rounds, 0, 16, "passes over the tree"},
 }};
 
 constexpr std::array<WordParameter, 3> kTreeletParameters{{
@@ -50,13 +97,20 @@ constexpr std::array<WordParameter, 1> kCwbvhParameters{{
     {"leaf", CwbvhNode::kMaxLeaf, 1, CwbvhNode::kMaxLeaf, "triangles in a leaf at most"},
 }};
 
-constexpr std::array<RecipeWord, 10> kWords{{
+constexpr std::array<RecipeWord, 17> kWords{{
     {"presplit", WordKind::splitter,
      "splits triangles that fill little of their boxes (Karras and Aila 2013)",
      kPresplitParameters},
     {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
     {"hploc", WordKind::builder, "clustering of neighbours in Morton order (Benthin et al. 2024)",
      kHplocParameters},
+    {"ploc", WordKind::builder,
+     "clustering of all neighbours in Morton order (Meister and Bittner 2018)", kPlocParameters},
+    {"hlbvh", WordKind::builder,
+     "LBVH below cells of a grid, binned SAH above (Garanzha et al. 2011)", kHlbvhParameters},
+    {"gridsah", WordKind::builder, "SAH over cells of nested grids (Garanzha et al. 2011)",
+     kGridSahParameters},
+    {"binned", WordKind::builder, "top-down binned SAH (Wald 2007)", kBinnedParameters},
     {"sweep", WordKind::builder, "top-down full-sweep SAH: slow, the quality reference", {}},
     {"sbvh", WordKind::builder,
      "top-down with spatial splits (Stich et al. 2009): slow, long triangles gain",
@@ -65,6 +119,13 @@ constexpr std::array<RecipeWord, 10> kWords{{
      kTreeletParameters},
     {"reinsert", WordKind::optimizer, "large nodes to better places (Meister and Bittner 2018)",
      kReinsertParameters},
+    {"insert", WordKind::optimizer,
+     "children of wasteful nodes to better places (Bittner et al. 2013): slow", kInsertParameters},
+    {"rotate", WordKind::optimizer, "swaps of children and grandchildren (Kensler 2008)",
+     kRotateParameters},
+    {"atr", WordKind::optimizer,
+     "agglomerative restructuring of treelets (Domingues and Pedrini 2015)",
+     kAgglomerateParameters},
     {"bvh2", WordKind::layout, "binary nodes with both children's boxes, leaves by SAH",
      kBvh2Parameters},
     {"bvh8", WordKind::layout, "nodes of eight children for SIMD, blocks of four triangles",
@@ -75,7 +136,8 @@ constexpr std::array<RecipeWord, 10> kWords{{
 
 constexpr std::array<Preset, 3> kPresets{{
     {"fast", "lbvh > bvh8", "quickest build: for a few million rays a frame"},
-    {"balanced", "lbvh > treelet > bvh8", "near-best tree for a little more time: the default"},
+    {"balanced", "lbvh > treelet(rounds=2, gamma=14) > bvh8",
+     "near-best tree for a little more time: the default"},
     {"best", "sbvh(budget=50) > treelet(rounds=2, gamma=14) > reinsert > bvh8",
      "spatial splits, on the CPU alone: for billions of rays, and for long thin triangles"},
 }};
