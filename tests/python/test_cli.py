@@ -23,7 +23,7 @@ from treelet.cli.sample_rays import sample_rays
 from treelet.cli.text import bar, byte_count, mega, milliseconds
 from treelet.mesh import Mesh
 
-COMMANDS = ["demo", "build", "info", "validate", "render", "bench", "list"]
+COMMANDS = ["demo", "build", "info", "validate", "render", "bench", "compare", "list"]
 SMALL = ["--triangles", "1000"]
 
 

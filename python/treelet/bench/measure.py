@@ -76,9 +76,9 @@ def measure(mesh, view, plan: Plan, progress: Progress | None = None) -> Result:
     report = progress or (lambda step: None)
     mesh = mesh.rounded()  # once, so that no build is timed rounding
     subjects = [Subject(candidate) for candidate in plan.candidates]
-    _time_builds(subjects, mesh, plan, report)
+    time_builds(subjects, mesh, plan, report)
     ray_sets = make_ray_sets(subjects[0].bvh, mesh, view, plan)
-    _time_rays(subjects, ray_sets, plan, report)
+    time_rays(subjects, ray_sets, plan, report)
     measurements = []
     for subject in subjects:
         report(f"judge {subject.candidate.label}")
@@ -106,7 +106,8 @@ def make_ray_sets(bvh, mesh, view, plan: Plan) -> list[Rays]:
     return ray_sets
 
 
-def _time_builds(subjects: Sequence[Subject], mesh, plan: Plan, report: Progress) -> None:
+def time_builds(subjects: Sequence[Subject], mesh, plan: Plan, report: Progress) -> None:
+    """Build every subject's tree `plan.builds` times, in turns; samples are appended, the last tree stays."""
     for _ in range(plan.builds):
         for subject in subjects:
             report(f"build {subject.candidate.label}")
@@ -115,7 +116,8 @@ def _time_builds(subjects: Sequence[Subject], mesh, plan: Plan, report: Progress
             subject.builds.append(time.perf_counter() - start)
 
 
-def _time_rays(subjects: Sequence[Subject], ray_sets: Sequence[Rays], plan: Plan, report: Progress) -> None:
+def time_rays(subjects: Sequence[Subject], ray_sets: Sequence[Rays], plan: Plan, report: Progress) -> None:
+    """Trace every set of rays `plan.repeats` times with every tree, in turns; samples are appended."""
     for rays in ray_sets:
         for repeat in range(plan.repeats + 1):
             for subject in subjects:
@@ -136,7 +138,7 @@ def _records(subject: Subject, mesh, ray_sets: Sequence[Rays], plan: Plan) -> li
         "recipe": tree.recipe,
         "threads": treelet.thread_count(),
     }
-    details = _tree_details(tree, plan.with_epo)
+    details = tree_details(tree, plan.with_epo)
     records = [Measurement(kind="build", samples=subject.builds, details=details, **common)]
     for rays in ray_sets:
         samples = subject.traces[rays.kind]
@@ -144,7 +146,8 @@ def _records(subject: Subject, mesh, ray_sets: Sequence[Rays], plan: Plan) -> li
     return records
 
 
-def _tree_details(tree, with_epo: bool) -> dict[str, Any]:
+def tree_details(tree, with_epo: bool) -> dict[str, Any]:
+    """What a build's line says about the tree; `tree` is its report."""
     details = {
         "sah": float(tree.sah),
         "nodes": int(tree.nodes),

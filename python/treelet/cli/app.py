@@ -9,6 +9,7 @@ from typer.core import TyperGroup
 
 from treelet.cli.bench import bench
 from treelet.cli.build import build
+from treelet.cli.compare import compare
 from treelet.cli.demo import demo
 from treelet.cli.errors import reported, show_tracebacks
 from treelet.cli.info import info
@@ -64,4 +65,5 @@ app.command("info")(reported(info))
 app.command("validate")(reported(validate))
 app.command("render")(reported(render))
 app.command("bench")(reported(bench))
+app.command("compare")(reported(compare))
 app.command("list")(reported(list_))
