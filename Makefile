@@ -25,7 +25,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
 export CTEST_PARALLEL_LEVEL := $(JOBS)
 
 CPP_DIRS := $(wildcard src python/bindings tests bench examples)
-PYTHON_DIRS := $(wildcard python tests tools bench examples)
+PYTHON_DIRS := $(wildcard python tests tools bench examples docs/conf.py)
 CPP_NAMES := -name '*.h' -o -name '*.inl' -o -name '*.cpp' -o -name '*.cu' -o -name '*.cuh'
 CPP_FILES = $(shell find $(CPP_DIRS) $(CPP_NAMES))
 EXTENSION_INPUTS := CMakeLists.txt $(wildcard cmake/*) \
@@ -33,7 +33,7 @@ EXTENSION_INPUTS := CMakeLists.txt $(wildcard cmake/*) \
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cpp test-python test-cuda lint format bench bench-peers sanitize cuda gpu install clean
+.PHONY: help demo test test-cpp test-python test-cuda lint format bench bench-peers sanitize cuda gpu docs wheel install clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -58,6 +58,7 @@ test-cuda: $(STAMPS)/package
 	cmake --build --preset release --target treelet_emulated_python
 	$(BIN)/python tests/python/run_emulated.py build/release/emulated \
 	  tests/python/test_cuda_arrays.py tests/python/test_cuda_bench.py tests/python/test_cuda_host_rays.py \
+	  tests/python/test_cuda_offset.py \
 	  tests/python/test_cuda_streams.py tests/python/test_render_cuda.py tests/python/test_cli_cuda.py
 
 lint: $(STAMPS)/lint ## Check formatting, style, layering and sizes
@@ -100,6 +101,16 @@ cuda: $(STAMPS)/cuda ## Compile the CUDA code, which needs no GPU, and list what
 gpu: ## Test and measure on this machine's GPU, with what is installed (CUDA, CMake, nanobind, ...)
 	$(PYTHON) tools/gpu.py $(ARGS)
 
+docs: $(STAMPS)/docs ## Build the documentation in out/docs; a warning or a broken link is an error
+	$(BIN)/python -m sphinx -b html -W --keep-going -q docs out/docs/html
+	@echo "Open out/docs/html/index.html"
+
+# In an environment of their own, from the source distribution alone: whatever that lacks is found missing here.
+wheel: $(STAMPS)/wheel ## Build the source distribution and from it the wheel, and check that: results in dist/
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist
+	$(BIN)/python tools/check_wheel.py dist/treelet-*.whl
+
 install: $(STAMPS)/package ## Build the Python package into .venv (editable)
 
 clean: ## Remove everything that make made, .venv included
@@ -123,6 +134,14 @@ $(STAMPS)/native: $(STAMPS)/venv tools/missing_build_tools.py
 
 $(STAMPS)/lint: $(STAMPS)/venv pyproject.toml
 	@$(PIP) install --group lint
+	@touch $@
+
+$(STAMPS)/wheel: $(STAMPS)/native pyproject.toml
+	@$(PIP) install --group wheel
+	@touch $@
+
+$(STAMPS)/docs: $(STAMPS)/package pyproject.toml
+	@$(PIP) install --group docs
 	@touch $@
 
 $(STAMPS)/cuda: $(STAMPS)/native pyproject.toml
