@@ -53,7 +53,7 @@ def test_rounding_is_one_line_of_warning(tmp_path, monkeypatch, command):
 
 def test_a_build_keeps_an_offset_instead_of_rounding(tmp_path):
     write_ball(tmp_path / "far.npz", 100.0, 5e6)
-    assert run_cli("build", tmp_path / "far.npz").stderr == ""
+    assert run_cli("build", str(tmp_path / "far.npz")).stderr == ""
 
 
 @pytest.mark.parametrize("scale", [1e19, 1e37, 3.4e38])
