@@ -16,8 +16,9 @@ namespace {
 
 nb::tuple intersect(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& origins,
                     const Vec3Array& directions, const FloatArray& t_min, const FloatArray& t_max,
-                    bool reorder) {
-  const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+                    bool reorder, std::size_t row) {
+  treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+  batch.row = row;
   HostHits hits(rays);
   {
     const nb::gil_scoped_release release;
@@ -32,8 +33,9 @@ nb::tuple intersect(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& 
 
 NumpyArray<bool> occluded(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& origins,
                           const Vec3Array& directions, const FloatArray& t_min,
-                          const FloatArray& t_max, bool reorder) {
-  const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+                          const FloatArray& t_max, bool reorder, std::size_t row) {
+  treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+  batch.row = row;
   Array<bool> occluded(rays);
   {
     const nb::gil_scoped_release release;
@@ -89,9 +91,11 @@ nb::tuple intersect_brute_force(const Vec3Array& vertices, const FaceArray& face
 void bind_query(nb::module_& module) {
   // Methods of Bvh, as functions: the class belongs to the pipeline.
   module.def("intersect", intersect, "bvh"_a, "rays"_a, "origins"_a.noconvert(),
-             "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a);
+             "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a,
+             "row"_a);
   module.def("occluded", occluded, "bvh"_a, "rays"_a, "origins"_a.noconvert(),
-             "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a);
+             "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a,
+             "row"_a);
   module.def("traversal_cost", traversal_cost, "bvh"_a, "rays"_a, "origins"_a.noconvert(),
              "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a);
   module.def("intersect_brute_force", intersect_brute_force, "vertices"_a.noconvert(),

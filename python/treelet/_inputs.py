@@ -45,6 +45,11 @@ class Rays(NamedTuple):
     shape: tuple[int, ...]
     arguments: tuple[int, FloatArray, FloatArray, FloatArray, FloatArray]
 
+    @property
+    def row(self) -> int:
+        """Rays in a row of the picture that they make, 0 where they make none."""
+        return self.shape[-1] if len(self.shape) > 1 else 0
+
 
 class Volumes(NamedTuple):
     """Converted balls or boxes: each array has one row for all or one each."""

@@ -27,6 +27,9 @@ class RayQueries(CompiledTree):
 
         Watertight: no ray slips between triangles that share an edge or a vertex.
 
+        A camera's rays are found faster in the shape of their picture, (height, width, 3), than in rows of
+        (height * width, 3): they are then traced by tiles.
+
         Args:
             origins: (..., 3) float.
             directions: (..., 3) float, of any length but zero; t counts in it.
@@ -44,7 +47,7 @@ class RayQueries(CompiledTree):
             RuntimeError: while another thread updates the tree.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        hits = self._ask(_core.intersect, *rays.arguments, as_flag(reorder, "reorder"))
+        hits = self._ask(_core.intersect, *rays.arguments, as_flag(reorder, "reorder"), rays.row)
         return Hits(*(array.reshape(rays.shape) for array in hits))
 
     def occluded(
@@ -62,7 +65,7 @@ class RayQueries(CompiledTree):
             bool array of the broadcast leading shape. Faster than `intersect`: the first hit found ends it.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        occluded = self._ask(_core.occluded, *rays.arguments, as_flag(reorder, "reorder"))
+        occluded = self._ask(_core.occluded, *rays.arguments, as_flag(reorder, "reorder"), rays.row)
         return occluded.reshape(rays.shape)
 
     def traversal_cost(

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -58,6 +59,52 @@ TEST(RayBatch, OfArraysOfParts) {
   EXPECT_EQ(batch[2].direction, direction);
   EXPECT_EQ(batch[2].t_min, 0.5f);
   EXPECT_EQ(batch[2].t_max, 3.0f);
+}
+
+std::vector<std::size_t> list(const RayBatch& batch, std::size_t begin, std::size_t end) {
+  std::vector<std::size_t> numbers(end - begin);
+  batch.list_rays(begin, end, numbers.data());
+  return numbers;
+}
+
+TEST(RayBatch, OfAPictureIsTracedByTiles) {
+  RayBatch batch;
+  batch.size = 8 * 5;
+  batch.row = 8;
+  EXPECT_EQ(list(batch, 0, 17), (std::vector<std::size_t>{0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19,
+                                                          24, 25, 26, 27, 4}));
+  EXPECT_EQ(list(batch, 31, 34), (std::vector<std::size_t>{31, 32, 33}));  // the fifth row as it is
+}
+
+TEST(RayBatch, OfAPictureMeetsEachRayOnceFromWhereverItIsBegun) {
+  for (const std::size_t row : {0, 1, 3, 4, 6, 8, 20}) {
+    for (const std::size_t rows : {0, 1, 3, 4, 5, 8, 13}) {
+      RayBatch batch;
+      batch.size = std::max<std::size_t>(row, 1) * rows;
+      batch.row = row;
+      const std::vector<std::size_t> whole = list(batch, 0, batch.size);
+      std::vector<bool> seen(batch.size, false);
+      for (const std::size_t ray : whole) {
+        ASSERT_LT(ray, batch.size);
+        ASSERT_FALSE(seen[ray]);
+        seen[ray] = true;
+      }
+      for (std::size_t begin = 0; begin < batch.size; begin += 7) {
+        const std::size_t end = std::min(begin + 7, batch.size);
+        const std::vector<std::size_t> part = list(batch, begin, end);
+        ASSERT_TRUE(std::equal(part.begin(), part.end(), whole.begin() + std::ptrdiff_t(begin)));
+      }
+    }
+  }
+}
+
+TEST(RayBatch, WithAnOrderIsNoPicture) {
+  const std::vector<std::uint32_t> order{3, 1, 0, 2, 7, 6, 5, 4, 8, 9, 10, 11, 15, 14, 13, 12};
+  RayBatch batch;
+  batch.size = 16;
+  batch.row = 4;
+  batch.order = order.data();
+  EXPECT_EQ(list(batch, 0, 16), std::vector<std::size_t>(order.begin(), order.end()));
 }
 
 }  // namespace

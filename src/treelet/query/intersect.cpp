@@ -22,12 +22,14 @@ template <class Answer, class Layout, class Trace, class Put>
 void trace_batch(const Layout& bvh, const RayBatch& rays, Trace&& trace, Put&& put) {
   parallel_for_ranges(rays.size, kRaysPerTask, [&](std::size_t begin, std::size_t end) {
     const std::size_t count = end - begin;
+    std::size_t numbers[kRaysPerTask];
     Ray part[kRaysPerTask];
     Answer answers[kRaysPerTask];
-    for (std::size_t k = 0; k < count; ++k) part[k] = rays[rays.ray_of(begin + k)];
+    rays.list_rays(begin, end, numbers);
+    for (std::size_t k = 0; k < count; ++k) part[k] = rays[numbers[k]];
     Tracer<Layout> tracer(bvh, count);
     trace(tracer, std::span<const Ray>(part, count), answers);
-    for (std::size_t k = 0; k < count; ++k) put(rays.ray_of(begin + k), answers[k]);
+    for (std::size_t k = 0; k < count; ++k) put(numbers[k], answers[k]);
   });
 }
 

@@ -45,6 +45,9 @@ struct RayBatch {
   PerRay<float> t_min{&kDefaults.t_min, 0}, t_max{&kDefaults.t_max, 0};
   /// The k-th ray to trace is order[k]; null: ray k. Answers lie in the places of their rays.
   const std::uint32_t* order = nullptr;
+  /// Rays in a row of the picture that they make; 0: none. Without an order, closest and any hits
+  /// are found by tiles of 4 x 4, whose rays stay closer together than those of a row.
+  std::size_t row = 0;
 
   RayBatch() = default;
   RayBatch(std::span<const Ray> rays)  // NOLINT: an array of rays is a batch
@@ -59,6 +62,20 @@ struct RayBatch {
   Ray operator[](std::size_t i) const { return {origins[i], directions[i], t_min[i], t_max[i]}; }
   std::size_t ray_of(std::size_t k) const { return order == nullptr ? k : order[k]; }
 
+  /// Likewise by tiles: the numbers of the k-th rays to trace, for k in [begin, end).
+  void list_rays(std::size_t begin, std::size_t end, std::size_t* numbers) const {
+    const std::size_t tiled = order == nullptr ? count_tiled() : 0;
+    std::size_t corner = 0;  // of the tile
+    for (std::size_t k = begin; k < end; ++k) {
+      if (k >= tiled) {
+        *numbers++ = ray_of(k);
+        continue;
+      }
+      if (k == begin || k % kTile == 0) corner = corner_of(k / kTile);
+      *numbers++ = corner + k % kTile / kTileWidth * row + k % kTileWidth;
+    }
+  }
+
   /// `count` rays from one on, in no other order than they have.
   RayBatch part(std::size_t begin, std::size_t count) const {
     RayBatch rays;
@@ -72,6 +89,18 @@ struct RayBatch {
 
  private:
   static constexpr Ray kDefaults{};
+  static constexpr std::size_t kTileWidth = 4, kTile = kTileWidth * kTileWidth;
+
+  /// Rays of the rows that whole tiles fill, which come first.
+  std::size_t count_tiled() const {
+    if (row == 0 || row % kTileWidth != 0) return 0;
+    return size / (row * kTileWidth) * (row * kTileWidth);
+  }
+  /// The first ray of a tile; tiles are numbered along the rows.
+  std::size_t corner_of(std::size_t tile) const {
+    const std::size_t tiles = row / kTileWidth;
+    return tile / tiles * kTileWidth * row + tile % tiles * kTileWidth;
+  }
 };
 
 }  // namespace treelet
