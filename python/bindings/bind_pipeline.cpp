@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <treelet/pipeline/build.h>
+#include <treelet/pipeline/choose_preset.h>
 #include <treelet/pipeline/update.h>
 
 #include "arrays.h"
@@ -123,6 +124,13 @@ void bind_pipeline(nb::module_& module) {
   module.def(
       "canonical_recipe",
       [](const std::string& recipe) { return treelet::parse_recipe(recipe).text(); }, "recipe"_a);
+  module.def(
+      "choose_preset",
+      [](std::size_t triangles, double rays, bool on_device) {
+        return std::string(on_device ? treelet::choose_device_preset(triangles, rays)
+                                     : treelet::choose_preset(triangles, rays));
+      },
+      "triangles"_a, "rays"_a, "on_device"_a);
   module.def("recipe_words", recipe_words);
   module.def("presets", presets);
 }

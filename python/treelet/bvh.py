@@ -178,6 +178,7 @@ def build(
     faces: ArrayLike,
     recipe: str = "balanced",
     *,
+    rays: float | None = None,
     updatable: bool = False,
     validate: bool = False,
     stream: Any = None,
@@ -195,6 +196,8 @@ def build(
         faces: (F, 3) integer indices into vertices.
         recipe: the name of a preset (see `treelet.presets`) or the text of a recipe, such as
             "lbvh > treelet(size=8) > bvh8" (see `treelet.recipe_words`).
+        rays: how many rays the tree is for, instead of a recipe: the preset that is expected to build and
+            trace in the least time, `report.recipe` tells which.
         updatable: keep what `Bvh.refit` and `Bvh.rebuild` need: 12 bytes a face, and from the first rebuild
             on the memory that a build takes (`report.held_bytes`).
         validate: check the tree after every stage; about doubles the time.
@@ -212,21 +215,33 @@ def build(
     Raises:
         ValueError: for a wrong shape, a face index out of range (the first is named) or a bad recipe.
         TypeError: for arrays that do not hold numbers, faces that are no integers, a recipe that is no text,
-            one array on the host and one on a device, a stream for arrays on the host.
+            one array on the host and one on a device, a stream for arrays on the host, a recipe beside rays.
         RuntimeError: where validation finds a violation, which is a bug in treelet; where CUDA fails, or has
             no version of a word of the recipe.
     """
     if is_on_device(vertices):
-        return build_on_device(vertices, faces, recipe, updatable=updatable, validate=validate, stream=stream)
+        chosen = _choose_recipe(recipe, rays, faces, on_device=True)
+        return build_on_device(vertices, faces, chosen, updatable=updatable, validate=validate, stream=stream)
     if stream is not None:
         raise TypeError("stream is for arrays on a CUDA device, and the vertices lie on the host")
     points = as_vertices(vertices)
     corners = as_faces(faces, len(points.array))
-    arguments = (points.array, corners, as_recipe(recipe), validate)
+    chosen = _choose_recipe(recipe, rays, corners, on_device=False)
+    arguments = (points.array, corners, as_recipe(chosen), validate)
     if not updatable:
         return Bvh(_place(_core.build(*arguments), points))
     tree = _core.build_updatable(*arguments)
     return Bvh(_place(tree.bvh, points), tree)
+
+
+def _choose_recipe(recipe: str, rays: float | None, faces: Any, *, on_device: bool) -> str:
+    if rays is None:
+        return recipe
+    if recipe != "balanced":
+        raise TypeError("build takes a recipe or the number of rays to choose one by, not both")
+    if not rays >= 0:
+        raise ValueError(f"rays must be a number that is not negative, not {rays}")
+    return _core.choose_preset(len(faces), float(rays), on_device)
 
 
 def _place(core: _core.Bvh, points: Vertices) -> _core.Bvh:

@@ -148,3 +148,20 @@ def test_extreme_scales(scale):
     hits = bvh.intersect(origins, (targets - origins) / np.float32(scale))
     assert (hits.face >= 0).all()
     assert bvh.report.sah == pytest.approx(treelet.build(vertices, faces).report.sah, rel=0.01)
+
+
+def test_the_number_of_rays_chooses_a_preset():
+    vertices, faces = grid(20)
+    chosen = [treelet.build(vertices, faces, rays=rays).report.recipe for rays in (0, len(faces) * 10, 1e12)]
+    assert chosen == [treelet.parse_recipe(preset) for preset in ("fast", "balanced", "best")]
+
+
+@pytest.mark.parametrize("rays", [-1, float("nan")])
+def test_a_bad_number_of_rays_is_refused(rays):
+    with pytest.raises(ValueError, match=r"^rays must be a number that is not negative, not "):
+        treelet.build(*grid(2), rays=rays)
+
+
+def test_a_recipe_beside_rays_is_refused():
+    with pytest.raises(TypeError, match=r"^build takes a recipe or the number of rays to choose one by"):
+        treelet.build(*grid(2), "fast", rays=10)
