@@ -1,0 +1,1 @@
+"""Other libraries' interfaces to what treelet answers: change an import, keep the program."""
