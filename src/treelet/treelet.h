@@ -15,8 +15,8 @@
 #include <treelet/layout/validate_layout.h>
 #include <treelet/mesh/mesh.h>
 #include <treelet/pipeline/build.h>
-#include <treelet/pipeline/choose_preset.h>
 #include <treelet/pipeline/bvh.h>
+#include <treelet/pipeline/choose_preset.h>
 #include <treelet/pipeline/device_bvh.h>
 #include <treelet/pipeline/recipe.h>
 #include <treelet/pipeline/update.h>
