@@ -126,11 +126,11 @@ void bind_pipeline(nb::module_& module) {
       [](const std::string& recipe) { return treelet::parse_recipe(recipe).text(); }, "recipe"_a);
   module.def(
       "choose_preset",
-      [](std::size_t triangles, double rays, bool on_device) {
-        return std::string(on_device ? treelet::choose_device_preset(triangles, rays)
-                                     : treelet::choose_preset(triangles, rays));
+      [](std::size_t triangles, double rays, bool may_split) {
+        return std::string(may_split ? treelet::choose_preset(triangles, rays)
+                                     : treelet::choose_unsplit_preset(triangles, rays));
       },
-      "triangles"_a, "rays"_a, "on_device"_a);
+      "triangles"_a, "rays"_a, "may_split"_a);
   module.def("recipe_words", recipe_words);
   module.def("presets", presets);
 }

@@ -19,6 +19,7 @@ class CompiledTree:
     _core: CompiledBvh
     _reading: Callable[[], AbstractContextManager[None]]
     _offset: Offset
+    _updates: int  # how many there were
 
     def _ask(
         self,

@@ -50,6 +50,11 @@ def is_on_device(array: object) -> bool:
     return hasattr(array, "__cuda_array_interface__")
 
 
+def shape_on_device(array: Any) -> tuple[int, ...]:
+    """The shape of an array on a device, () where it does not say."""
+    return tuple(getattr(array, "__cuda_array_interface__", {}).get("shape", ()))
+
+
 def find_device_array(array: Any, name: str) -> DeviceArray | None:
     """Read where an array lies; None where that is the host. Strided arrays are refused with what to do."""
     interface = getattr(array, "__cuda_array_interface__", _ABSENT)

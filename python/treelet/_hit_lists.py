@@ -76,7 +76,7 @@ class HitLists(CompiledTree):
 
         Args:
             origins: (..., 3) float.
-            directions: (..., 3) float, of any length but zero; t counts in it.
+            directions: (..., 3) float, of any length that float32 can hold but zero; t counts in it.
             t_min: (...) or scalar, included.
             t_max: (...) or scalar, included. Hits beyond the largest float32 have t = inf and belong to rays
                 whose t_max is infinite.
@@ -140,15 +140,15 @@ class HitLists(CompiledTree):
 
         Returns:
             An iterator over HitChunk(first_ray, hits), which together hold all rays in order. Hits are
-            counted before they are listed, so that no chunk takes more memory than it says. The tree must
-            not be updated before the iterator ends.
+            counted before they are listed, so that no chunk takes more memory than it says. If the tree is
+            updated before the iterator ends, that raises a RuntimeError.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
         most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
         return self._chunks(rays, most, _as_count(max_hits, "max_hits"), as_flag(reorder, "reorder"))
 
     def _chunks(self, rays: Rays, limit: int, max_hits: int, reorder: bool) -> Iterator[HitChunk]:
-        count = rays.arguments[0]
+        count, updates = rays.arguments[0], self._updates
         for first in range(0, count, _RAYS_PER_COUNT):
             block = _part(rays, first, min(first + _RAYS_PER_COUNT, count))
             counts = self._ask(_core.count_hits, *block.arguments, reorder)
@@ -156,7 +156,10 @@ class HitLists(CompiledTree):
             begin = done = 0
             while begin < len(ends):
                 end = max(int(np.searchsorted(ends, done + max_hits, side="right")), begin + 1)
-                yield HitChunk(first + begin, self._list_hits(_part(block, begin, end), limit, reorder))
+                hits = self._list_hits(_part(block, begin, end), limit, reorder)
+                if self._updates != updates:
+                    raise RuntimeError("the tree was updated while its hits were streamed: begin again")
+                yield HitChunk(first + begin, hits)
                 begin, done = end, int(ends[end - 1])
 
     def _list_hits(self, rays: Rays, limit: int, reorder: bool) -> AllHits:

@@ -113,14 +113,19 @@ class PointQueries(CompiledTree):
 
         Raises:
             ValueError: for a negative or NaN accuracy.
+            TypeError: for an accuracy that is no number.
         """
+        if not isinstance(accuracy, int | float | np.number):
+            raise TypeError(f"accuracy must be a number, not {type(accuracy).__name__}")
         if not accuracy >= 0:
             raise ValueError(f"accuracy must be a number from 0 to infinity, not {accuracy!r}")
         given = as_points(points, "points", self._offset)
         return self._ask(_core.winding_number, given.array, float(accuracy)).reshape(given.shape)
 
     def overlap_boxes(self, lower: ArrayLike, upper: ArrayLike) -> Overlaps:
-        """List the faces that have a point in common with each box; touching counts, nothing is rounded.
+        """List the faces that have a point in common with each box; touching counts.
+
+        Nothing is rounded but the corners themselves, to float32.
 
         Args:
             lower: (..., 3) float, corners with the smallest coordinates; may be -inf.

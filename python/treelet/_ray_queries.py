@@ -28,11 +28,12 @@ class RayQueries(CompiledTree):
         Watertight: no ray slips between triangles that share an edge or a vertex.
 
         A camera's rays are found faster in the shape of their picture, (height, width, 3), than in rows of
-        (height * width, 3): they are then traced by tiles.
+        (height * width, 3): where width is a multiple of 4, they are then traced by tiles of 4 x 4. Answers
+        are the same.
 
         Args:
             origins: (..., 3) float.
-            directions: (..., 3) float, of any length but zero; t counts in it.
+            directions: (..., 3) float, of any length that float32 can hold but zero; t counts in it.
             t_min: (...) or scalar.
             t_max: (...) or scalar, included.
             reorder: sort the rays for coherence before they are traced. Pays for incoherent batches of a

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._answers import Hits, Work
-from ._device import is_on_device, require_current_device
+from ._device import is_on_device, require_current_device, shape_on_device
 from ._files import TreeFiles
 from ._guard import UseGuard
 from ._hit_lists import HitLists
-from ._inputs import Vertices, as_faces, as_rays, as_recipe, as_vertices
+from ._inputs import Vertices, as_faces, as_flag, as_rays, as_recipe, as_vertices
 from ._offset import Bounds, add_offset
 from ._point_queries import PointQueries
 from ._ray_queries import RayQueries
@@ -50,6 +50,7 @@ class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
         self._guard = UseGuard() if updatable else None
         self._reading = self._guard.query if self._guard else nullcontext
         self._offset, rounding = _core.placement(core)
+        self._updates = 0
         self._report = Report(core, rounding, self._reading)
 
     def refit(self, vertices: ArrayLike) -> None:
@@ -62,7 +63,8 @@ class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
         stay out until a rebuild.
 
         Args:
-            vertices: (V, 3) as for `treelet.build`, as many as there: the faces are those of the build.
+            vertices: (V, 3) as for `treelet.build`, as many as there: the faces are those of the build. The
+                tree keeps its `offset`: where a mesh moves far away in float64, rebuild it.
 
         Recipes that split triangles (`presplit`, `sbvh`, the preset `best`) lose more by a refit than
         splitting gained: their pieces get the boxes of whole triangles. Rebuild such trees.
@@ -76,7 +78,7 @@ class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
         points = as_vertices(vertices, self._offset)
         with guard.update():
             tree.refit(points.array)
-            self._report = Report(_place(self._core, points), points.rounding, self._reading)
+            self._accept(points)
 
     def rebuild(self, vertices: ArrayLike) -> None:
         """Run the whole recipe again over moved vertices. Arguments and errors as `refit`.
@@ -84,10 +86,16 @@ class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
         The tree is that of `treelet.build`; from the second rebuild on it takes no new memory.
         """
         tree, guard = self._require_updatable()
-        points = as_vertices(vertices, self._offset)
+        points = as_vertices(vertices)
         with guard.update():
             tree.rebuild(points.array)
-            self._report = Report(_place(self._core, points), points.rounding, self._reading)
+            self._accept(points)
+
+    def _accept(self, points: Vertices) -> None:
+        """Tell queries and report where the vertices are now."""
+        self._updates += 1
+        self._offset = points.offset
+        self._report = Report(_place(self._core, points), points.rounding, self._reading)
 
     def to(self, device: str, *, stream: Any = None) -> Bvh | DeviceBvh:
         """This tree elsewhere: "cuda" copies it to the current CUDA device and waits; "cpu" is where it is.
@@ -176,7 +184,7 @@ class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
 def build(
     vertices: ArrayLike,
     faces: ArrayLike,
-    recipe: str = "balanced",
+    recipe: str | None = None,
     *,
     rays: float | None = None,
     updatable: bool = False,
@@ -195,9 +203,10 @@ def build(
             than a millionth of the mesh's extent, a `treelet.PrecisionWarning` says so.
         faces: (F, 3) integer indices into vertices.
         recipe: the name of a preset (see `treelet.presets`) or the text of a recipe, such as
-            "lbvh > treelet(size=8) > bvh8" (see `treelet.recipe_words`).
+            "lbvh > treelet(size=8) > bvh8" (see `treelet.recipe_words`); "balanced" if None.
         rays: how many rays the tree is for, instead of a recipe: the preset that is expected to build and
-            trace in the least time, `report.recipe` tells which.
+            trace in the least time, `report.recipe` tells which. Not `best` for updatable trees, whose
+            pieces a refit would spoil, nor on a device, which cannot build it.
         updatable: keep what `Bvh.refit` and `Bvh.rebuild` need: 12 bytes a face, and from the first rebuild
             on the memory that a build takes (`report.held_bytes`).
         validate: check the tree after every stage; about doubles the time.
@@ -220,28 +229,31 @@ def build(
             no version of a word of the recipe.
     """
     if is_on_device(vertices):
-        chosen = _choose_recipe(recipe, rays, faces, on_device=True)
+        chosen = _choose_recipe(recipe, rays, shape_on_device(faces), may_split=False)
         return build_on_device(vertices, faces, chosen, updatable=updatable, validate=validate, stream=stream)
     if stream is not None:
         raise TypeError("stream is for arrays on a CUDA device, and the vertices lie on the host")
     points = as_vertices(vertices)
     corners = as_faces(faces, len(points.array))
-    chosen = _choose_recipe(recipe, rays, corners, on_device=False)
-    arguments = (points.array, corners, as_recipe(chosen), validate)
+    updatable = as_flag(updatable, "updatable")
+    chosen = _choose_recipe(recipe, rays, corners.shape, may_split=not updatable)
+    arguments = (points.array, corners, as_recipe(chosen), as_flag(validate, "validate"))
     if not updatable:
         return Bvh(_place(_core.build(*arguments), points))
     tree = _core.build_updatable(*arguments)
     return Bvh(_place(tree.bvh, points), tree)
 
 
-def _choose_recipe(recipe: str, rays: float | None, faces: Any, *, on_device: bool) -> str:
+def _choose_recipe(recipe: str | None, rays: float | None, shape: tuple[int, ...], *, may_split: bool) -> str:
     if rays is None:
-        return recipe
-    if recipe != "balanced":
+        return "balanced" if recipe is None else recipe
+    if recipe is not None:
         raise TypeError("build takes a recipe or the number of rays to choose one by, not both")
+    if not isinstance(rays, int | float | np.number):
+        raise TypeError(f"rays must be a number, not {type(rays).__name__}")
     if not rays >= 0:
         raise ValueError(f"rays must be a number that is not negative, not {rays}")
-    return _core.choose_preset(len(faces), float(rays), on_device)
+    return _core.choose_preset(shape[0] if shape else 0, min(float(rays), 1e300), may_split)
 
 
 def _place(core: _core.Bvh, points: Vertices) -> _core.Bvh:

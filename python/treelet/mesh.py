@@ -84,6 +84,8 @@ def load_mesh(path: str | os.PathLike[str], frame: int = 0) -> Mesh:
     """
     path = Path(path)
     extension = path.suffix.lower()
+    if extension == ".treelet":
+        raise ValueError(f"{path}: is a saved tree, not a mesh: treelet.load reads it")
     if extension not in _KNOWN_EXTENSIONS:
         raise ValueError(
             f"{path}: unknown mesh extension {extension!r}; known are {', '.join(_KNOWN_EXTENSIONS)}"

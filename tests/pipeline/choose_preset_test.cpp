@@ -35,11 +35,12 @@ TEST(ChoosePreset, OfNoRaysIsTheQuickestBuild) {
 
 TEST(ChoosePreset, OfNoTrianglesIsAPreset) { EXPECT_FALSE(choose_preset(0, 1e9).empty()); }
 
-TEST(ChoosePreset, ForADeviceIsOneItBuilds) {
-  EXPECT_EQ(choose_device_preset(1000, 0.0), "fast");
-  EXPECT_EQ(choose_device_preset(1000, 1e15), "balanced");
+TEST(ChoosePreset, WithoutPiecesIsNeverTheBest) {
+  EXPECT_EQ(choose_unsplit_preset(1000, 0.0), "fast");
+  EXPECT_EQ(choose_unsplit_preset(1000, 1e15), "balanced");
   EXPECT_EQ(choose_preset(1000, 1e15), "best");
-  EXPECT_FALSE(choose_preset(1000, kInfinity).empty());
+  EXPECT_EQ(choose_preset(1000, kInfinity), "best");
+  EXPECT_EQ(choose_unsplit_preset(1000, kInfinity), "balanced");
 }
 
 }  // namespace

@@ -165,3 +165,15 @@ def test_a_bad_number_of_rays_is_refused(rays):
 def test_a_recipe_beside_rays_is_refused():
     with pytest.raises(TypeError, match=r"^build takes a recipe or the number of rays to choose one by"):
         treelet.build(*grid(2), "fast", rays=10)
+
+
+def test_an_updatable_tree_is_not_chosen_with_pieces():
+    bvh = treelet.build(*grid(20), rays=np.inf, updatable=True)
+    assert bvh.report.recipe == treelet.parse_recipe("balanced")
+    assert treelet.build(*grid(20), rays=np.inf).report.recipe == treelet.parse_recipe("best")
+
+
+@pytest.mark.parametrize("flag", ["updatable", "validate"])
+def test_a_flag_must_be_a_bool(flag):
+    with pytest.raises(TypeError, match=rf"^{flag} must be True or False, not str$"):
+        treelet.build(*grid(2), **{flag: "no"})

@@ -206,3 +206,15 @@ def test_mistakes_are_named_at_once(closed, arguments, error, words):
 def test_shapes_that_do_not_fit_are_named(closed):
     with pytest.raises(ValueError, match="cannot be broadcast"):
         closed.count_hits(np.zeros((3, 3)), np.ones((4, 3)))
+
+
+def test_an_update_ends_a_stream_of_hits():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
+    bvh = treelet.build(vertices, [[0, 1, 2]], updatable=True)
+    chunks = bvh.stream_hits(np.full((4, 3), 0.2), [0, 0, -1.0], t_min=-np.inf, max_hits=1)
+    next(chunks)
+    bvh.refit(vertices + 1)
+    with pytest.raises(
+        RuntimeError, match=r"^the tree was updated while its hits were streamed"
+    ):
+        next(chunks)

@@ -161,27 +161,31 @@ def test_integers_are_vertices_too():
     assert bvh.intersect(vertices[0] + [0.5, 0.5, 8], [0, 0, -1]).t == 8
 
 
-def test_updates_keep_the_offset(expected):
+def test_a_refit_keeps_the_offset_and_a_rebuild_chooses_that_of_a_build(expected):
     vertices, faces = hills()
     bvh = treelet.build(vertices + 30, faces, updatable=True)
-    offset = bvh.offset
     for update in (bvh.refit, bvh.rebuild, bvh.rebuild, bvh.refit):
+        is_rebuild = update == bvh.rebuild
+        offset = treelet.build(vertices, faces).offset if is_rebuild else bvh.offset
         update(vertices)
         assert count_faults(bvh, expected) == 0
         np.testing.assert_array_equal(bvh.offset, offset)
+        assert not is_rebuild or bvh.mesh_hash == treelet.mesh_hash(vertices, faces)
         assert 0 < bvh.report.vertex_rounding < 1e-5
         assert bvh.validate(vertices, faces) == []
         assert pickle.loads(pickle.dumps(bvh)).report.vertex_rounding == bvh.report.vertex_rounding
 
 
-def test_updates_that_leave_the_offset_behind_are_warned_of():
+def test_a_refit_that_leaves_the_offset_behind_is_warned_of_and_a_rebuild_follows():
     vertices, faces = hills()
     bvh = treelet.build(vertices, faces, updatable=True)
     with pytest.warns(treelet.PrecisionWarning, match="subtract an offset nearer to the mesh") as caught:
         bvh.refit(vertices + 1e6)
     assert caught[0].filename == __file__
-    with pytest.warns(treelet.PrecisionWarning):
-        bvh.rebuild(vertices - UTM)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bvh.rebuild(vertices + 1e6)
+    assert bvh.report.vertex_rounding < 1e-5
 
 
 def test_saved_trees_keep_the_offset(expected, tmp_path):

@@ -93,7 +93,7 @@ def test_what_resembles_nothing_gets_no_suggestion():
     assert "did you mean" not in str(caught.value)
 
 
-@pytest.mark.parametrize("bad", [None, 7, b"fast", ["fast"]])
+@pytest.mark.parametrize("bad", [7, b"fast", ["fast"]])
 def test_a_recipe_must_be_text(bad):
     message = f"^recipe must be text, not {type(bad).__name__}$"
     with pytest.raises(TypeError, match=message):

@@ -73,7 +73,8 @@ def _chosen_suite(path: Path | None, scenes: str | None, overrides: dict[str, An
             "give a suite, such as `treelet compare bench/suites/quick.toml`, or --report-only FOLDER"
         )
     suite = replace(load_suite(path), **{key: value for key, value in overrides.items() if value is not None})
-    return suite if scenes is None else suite.chosen([name.strip() for name in scenes.split(",")])
+    names = [name.strip() for name in (scenes or "").split(",") if name.strip()]
+    return suite.chosen(names) if names else suite
 
 
 def _measure(suite: Any, folder: Path, *, is_estimate: bool) -> int:

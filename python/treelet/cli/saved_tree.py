@@ -6,12 +6,22 @@ from pathlib import Path
 from typing import Any
 
 EXTENSION = ".treelet"
+_MAGIC = b"\x89treelet"
 _SHOWN_VIOLATIONS = 10
 
 
 def is_saved_tree(mesh: str) -> bool:
     """Whether a command line argument names a tree in place of a mesh."""
-    return Path(mesh).suffix.lower() == EXTENSION
+    path = Path(mesh)
+    return path.suffix.lower() == EXTENSION or _begins_with_magic(path)
+
+
+def _begins_with_magic(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(_MAGIC)) == _MAGIC
+    except OSError:
+        return False
 
 
 def show_saved_tree(path: str, json: bool) -> None:

@@ -40,7 +40,8 @@ def nearest_faces(tree: MeshTree, points: Float64Array, face: IndexArray) -> tup
     face = face.copy()
     shared = np.flatnonzero(~is_inside)
     extent = float(np.ptp(tree.bvh.bounds, axis=0).max(initial=0))
-    reach = _ROUNDING * (extent + np.abs(closest[shared]).max(axis=1, initial=0))
+    local = np.abs(closest[shared] - tree.bvh.offset)  # what the tree has rounded to float32
+    reach = _ROUNDING * (extent + local.max(axis=1, initial=0))
     touching = tree.bvh.overlap_spheres(closest[shared], reach)
     row = shared[np.repeat(np.arange(len(shared)), np.diff(touching.offsets))]
     rival = touching.face.astype(np.int64)

@@ -26,7 +26,7 @@ class RayMeshIntersector:
     """Ray queries of one mesh, with the methods of `trimesh.ray.ray_pyembree.RayMeshIntersector`.
 
     The tree is built at the first query, and again after vertices or faces changed. Rays have origins and
-    directions (n, 3); a direction may have any length but zero.
+    directions (n, 3); a direction may have any length that float32 can hold but zero.
     """
 
     def __init__(self, geometry: MeshLike, scale_to_box: bool = True) -> None:

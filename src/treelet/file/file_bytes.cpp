@@ -58,8 +58,15 @@ fs::path writable_target(const fs::path& path) {
   if (status.type() == fs::file_type::directory) throw_system_error(EISDIR, path);
   const bool is_new = status.type() == fs::file_type::not_found;
   if (!is_new && status.type() != fs::file_type::regular) throw_system_error(EINVAL, path);
-  if (is_new || !fs::is_symlink(path, error)) return path;
-  return fs::canonical(path);
+  if (!fs::is_symlink(path, error)) return path;
+  return is_new ? path.parent_path() / fs::read_symlink(path) : fs::canonical(path);
+}
+
+/// What is replaced keeps its permissions.
+void keep_permissions(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  const fs::file_status status = fs::status(from, error);
+  if (status.type() == fs::file_type::regular) fs::permissions(to, status.permissions(), error);
 }
 
 #if !defined(_WIN32)
@@ -143,6 +150,7 @@ class TemporaryFile {
 
   const fs::path& path() const { return path_; }
   void move_to(const fs::path& target) {
+    keep_permissions(target, path_);
     std::error_code error;
     fs::rename(path_, target, error);
     if (error) throw_system_error(error.value(), target);

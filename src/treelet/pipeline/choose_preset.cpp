@@ -19,7 +19,8 @@ constexpr std::array<PresetCost, 3> kCosts{
 
 std::string_view find_cheapest(std::span<const PresetCost> costs, std::size_t triangles,
                                double rays) {
-  const double traced = rays > 0.0 ? rays : 0.0;
+  constexpr double kMany = 1e30;  // an infinity would make all equal
+  const double traced = rays > 0.0 ? std::min(rays, kMany) : 0.0;
   const auto total = [&](const PresetCost& cost) {
     return cost.build * double(triangles) + cost.ray * traced;
   };
@@ -35,7 +36,7 @@ std::string_view choose_preset(std::size_t triangles, double rays) {
   return find_cheapest(kCosts, triangles, rays);
 }
 
-std::string_view choose_device_preset(std::size_t triangles, double rays) {
+std::string_view choose_unsplit_preset(std::size_t triangles, double rays) {
   return find_cheapest(std::span(kCosts).first(2), triangles, rays);
 }
 

@@ -35,7 +35,7 @@ struct alignas(64) Packet : PacketRays {
   /// False for a packet that gave up: its answers are then what it found so far.
   TREELET_INLINE bool finish(Answer* answers) {
     visitor.write(answers + number);
-    return budget > 0;
+    return budget > 0 || visitor.open() == 0;
   }
 
   /// True when nothing is left to look for.

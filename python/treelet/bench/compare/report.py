@@ -44,6 +44,7 @@ def facts(results: Results) -> Iterator[str]:
     """What was measured on what, and what was not, a line each."""
     yield f"{results.size}; reference: {results.reference}"
     yield from results.machines
+    yield results.effort
     if results.noise:
         yield results.noise.sentence
     for name, found in (("skipped", results.skipped), ("failed", results.failed)):

@@ -18,6 +18,7 @@ from treelet.bench.effective import Curve
 from treelet.bench.records import Measurement
 
 KIND_ORDER = ("primary", "diffuse", "ambient_occlusion")
+_FEW_RAYS = 10_000
 KIND_NAMES = {"primary": "primary", "diffuse": "diffuse", "ambient_occlusion": "occlusion"}
 
 
@@ -137,6 +138,7 @@ class Results:
     failed: list[dict[str, str]] = field(default_factory=list)
     machines: list[str] = field(default_factory=list)
     noise: Noise | None = None
+    effort: str = ""  # how often and with how many rays, for the facts of a report
 
     @property
     def main_kind(self) -> str:
@@ -203,6 +205,7 @@ def gather(lines: Sequence[Measurement], sessions: Sequence[dict[str, Any]]) -> 
         list(_events(sessions, last["session"], "failed")),
         sorted({_describe(line) for line in kept}),
         _noise(kept),
+        _effort(kept),
     )
 
 
@@ -210,6 +213,22 @@ def _events(sessions: Iterable[dict[str, Any]], session: str, event: str) -> Ite
     for each in sessions:
         if each["session"] == session and each["event"] == event:
             yield {key: str(each[key]) for key in ("scene", "view", "label", "reason") if each.get(key)}
+
+
+def _effort(lines: Iterable[Measurement]) -> str:
+    of_builds = [line for line in lines if line.rays == 0]
+    of_rays = [line for line in lines if line.rays > 0]
+    parts = [f"{_span(len(line.samples) for line in of_builds)} builds"] if of_builds else []
+    if of_rays:
+        traces, rays = _span(len(line.samples) for line in of_rays), _span(line.rays for line in of_rays)
+        parts.append(f"{traces} traces of {rays} rays")
+    few = of_rays and min(line.rays for line in of_rays) < _FEW_RAYS
+    return f"samples of each: {', '.join(parts)}" + ("; so few rays tell nothing about rates" if few else "")
+
+
+def _span(values: Iterable[int]) -> str:
+    found = list(values)
+    return f"{min(found):,}" + (f" to {max(found):,}" if min(found) != max(found) else "")
 
 
 def _noise(lines: Iterable[Measurement]) -> Noise | None:
