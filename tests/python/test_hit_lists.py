@@ -214,7 +214,5 @@ def test_an_update_ends_a_stream_of_hits():
     chunks = bvh.stream_hits(np.full((4, 3), 0.2), [0, 0, -1.0], t_min=-np.inf, max_hits=1)
     next(chunks)
     bvh.refit(vertices + 1)
-    with pytest.raises(
-        RuntimeError, match=r"^the tree was updated while its hits were streamed"
-    ):
+    with pytest.raises(RuntimeError, match=r"^the tree was updated while its hits were streamed"):
         next(chunks)
