@@ -15,7 +15,7 @@ struct PresetCost {
 };
 
 constexpr std::array<PresetCost, 3> kCosts{
-    {{"fast", 130.0, 150.0}, {"balanced", 185.0, 118.0}, {"best", 1300.0, 100.0}}};
+    {{"fast", 73.0, 166.0}, {"balanced", 133.0, 132.0}, {"best", 1454.0, 107.0}}};
 
 std::string_view find_cheapest(std::span<const PresetCost> costs, std::size_t triangles,
                                double rays) {
