@@ -23,14 +23,15 @@ std::vector<BinaryNode> random_nodes(std::size_t count, std::uint64_t seed) {
 }
 
 NodeGrid grid_over(const std::vector<BinaryNode>& nodes, int bins) {
-  WideBox centroids = WideBox::empty();
-  for (const BinaryNode& node : nodes) centroids.add_point(WideBox::of(node).doubled_centroid());
+  BoxLanes centroids = BoxLanes::empty();
+  for (const BinaryNode& node : nodes)
+    centroids.add_point(BoxLanes::load_box(node).doubled_centroid());
   return NodeGrid(centroids, bins);
 }
 
 auto goes_right(const NodeGrid& grid, int axis, int bin) {
   return [&grid, axis, bin](const BinaryNode& node) {
-    return grid.of(WideBox::of(node))[axis] >= bin;
+    return grid.of(BoxLanes::load_box(node))[axis] >= bin;
   };
 }
 
@@ -68,7 +69,7 @@ TEST(NodeBins, HaveBothEndsOfTheCentroids) {
   for (int axis = 0; axis < 3; ++axis) {
     int least = 32, most = -1;
     for (const BinaryNode& node : nodes) {
-      const int bin = grid.of(WideBox::of(node))[axis];
+      const int bin = grid.of(BoxLanes::load_box(node))[axis];
       least = std::min(least, bin);
       most = std::max(most, bin);
     }

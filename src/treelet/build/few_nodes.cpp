@@ -10,20 +10,20 @@ namespace {
 class AxisSweep {
  public:
   explicit AxisSweep(std::span<const BinaryNode> nodes) : nodes_(nodes) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) boxes_[i] = WideBox::of(nodes[i]);
+    for (std::size_t i = 0; i < nodes.size(); ++i) boxes_[i] = BoxLanes::load_box(nodes[i]);
   }
 
   void run(int axis, FewNodesSplit& best) {
     sort(axis);
     const std::size_t count = nodes_.size();
-    WideBox right = WideBox::empty();
+    BoxLanes right = BoxLanes::empty();
     std::uint32_t right_references = 0;
     for (std::size_t i = count; i-- > 1;) {
       right.add(boxes_[order_[i]]);
       right_references += nodes_[order_[i]].count;
       above_[i] = {right, right_references};
     }
-    Side left{WideBox::empty(), 0};
+    Side left{BoxLanes::empty(), 0};
     std::uint32_t goes_right = (std::uint32_t{1} << count) - 1;
     for (std::size_t i = 1; i < count; ++i) {
       left.box.add(boxes_[order_[i - 1]]);
@@ -35,10 +35,10 @@ class AxisSweep {
 
  private:
   struct Side {
-    WideBox box;
+    BoxLanes box;
     std::uint32_t references;
 
-    float weight() const { return box.area() * float(references); }
+    float weight() const { return box.half_area() * float(references); }
   };
 
   /// By insertion; equal centroids keep their order.
@@ -69,7 +69,7 @@ class AxisSweep {
   }
 
   std::span<const BinaryNode> nodes_;
-  std::array<WideBox, kFewNodes> boxes_;
+  std::array<BoxLanes, kFewNodes> boxes_;
   std::array<Side, kFewNodes> above_;
   std::array<float, kFewNodes> centroids_;
   std::array<std::uint8_t, kFewNodes> order_;

@@ -23,7 +23,7 @@ struct NodeRange {
   std::uint32_t begin = 0, end = 0;
   std::uint32_t slot = kRoot, references = 0;
   int array = 0;
-  WideBox box = WideBox::empty(), centroids = WideBox::empty();
+  BoxLanes box = BoxLanes::empty(), centroids = BoxLanes::empty();
 
   std::size_t count() const { return end - begin; }
 };
@@ -31,7 +31,7 @@ struct NodeRange {
 /// The halves of nodes by what a split tells of them, and the centroids on either side.
 struct Parting {
   std::array<std::uint32_t, 2> next;  // place of the next node of each half
-  std::array<WideBox, 2> centroids{WideBox::empty(), WideBox::empty()};
+  std::array<BoxLanes, 2> centroids{BoxLanes::empty(), BoxLanes::empty()};
 };
 
 class NodeJoiner {
@@ -76,7 +76,7 @@ class NodeJoiner {
 
   void measure_nodes(NodeRange& range) const {
     for (const BinaryNode& node : nodes_of(range)) {
-      const WideBox box = WideBox::of(node);
+      const BoxLanes box = BoxLanes::load_box(node);
       range.box.add(box);
       range.centroids.add_point(box.doubled_centroid());
       range.references += node.count;
@@ -85,7 +85,7 @@ class NodeJoiner {
 
   Halves split(const NodeRange& range) {
     const Halves halves = part(range);
-    const Aabb box = range.box.narrow();
+    const Aabb box = range.box.box();
     tree_.nodes[range.slot] = {box.lower, halves[0].slot, box.upper, range.references};
     return halves;
   }
@@ -143,7 +143,7 @@ class NodeJoiner {
                   Halves& halves) {
     const std::span<const BinaryNode> nodes = nodes_of(range);
     BinaryNode* const target = arrays_[halves[0].array].data();
-    const auto goes_right = [&](const WideBox& box) {
+    const auto goes_right = [&](const BoxLanes& box) {
       return grid.of(box)[split.axis] >= split.bin;
     };
     const std::size_t chunks = (nodes.size() + kGrain - 1) / kGrain;
@@ -152,7 +152,7 @@ class NodeJoiner {
     parallel_for_ranges(nodes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       Parting parting = partings[begin / kGrain];
       for (const BinaryNode& node : nodes.subspan(begin, end - begin)) {
-        const WideBox box = WideBox::of(node);
+        const BoxLanes box = BoxLanes::load_box(node);
         const auto side = std::size_t(goes_right(box));
         target[parting.next[side]++] = node;
         parting.centroids[side].add_point(box.doubled_centroid());
@@ -174,7 +174,7 @@ class NodeJoiner {
         const auto chunk = nodes.subspan(begin, end - begin);
         right_counts[begin / kGrain] =
             std::uint32_t(std::count_if(chunk.begin(), chunk.end(), [&](const BinaryNode& node) {
-              return goes_right(WideBox::of(node));
+              return goes_right(BoxLanes::load_box(node));
             }));
       });
     }

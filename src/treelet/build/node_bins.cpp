@@ -12,10 +12,10 @@ namespace {
 constexpr std::size_t kGrain = 1 << 13;
 
 struct NodeBin {
-  WideBox box;
+  BoxLanes box;
   std::uint32_t nodes, references;
 
-  static NodeBin empty() { return {WideBox::empty(), 0, 0}; }
+  static NodeBin empty() { return {BoxLanes::empty(), 0, 0}; }
 
   void add(const NodeBin& other) {
     box.add(other.box);
@@ -34,7 +34,7 @@ struct NodeBins {
 
   void fill(std::span<const BinaryNode> nodes, const NodeGrid& grid) {
     for (const BinaryNode& node : nodes) {
-      const NodeBin added{WideBox::of(node), 1, node.count};
+      const NodeBin added{BoxLanes::load_box(node), 1, node.count};
       const NodeGrid::Bins bins = grid.of(added.box);
       for (int i = 0; i < 3; ++i) axis[std::size_t(i)][std::size_t(bins[i])].add(added);
     }
@@ -58,7 +58,7 @@ void fill_in_parallel(std::span<const BinaryNode> nodes, const NodeGrid& grid, N
   for (const NodeBins& chunk : chunks) bins.add(chunk, grid.bins());
 }
 
-float weigh(const NodeBin& side) { return side.box.area() * float(side.references); }
+float weigh(const NodeBin& side) { return side.box.half_area() * float(side.references); }
 
 /// Looks at each plane of an axis with nodes on both sides.
 class PlaneSweep {
@@ -101,7 +101,7 @@ class PlaneSweep {
 
 }  // namespace
 
-NodeGrid::NodeGrid(const WideBox& centroids, int bins)
+NodeGrid::NodeGrid(const BoxLanes& centroids, int bins)
     : lower_(centroids.lower), scale_{}, bins_(bins), can_part_(false) {
   for (int axis = 0; axis < 3; ++axis) {
     const float scale = float(bins) / (centroids.upper[axis] - centroids.lower[axis]);

@@ -2,43 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <span>
 
-#include <treelet/core/aabb.h>
+#include <treelet/core/box_lanes.h>
 #include <treelet/tree/binary_tree.h>
 
 // Where a set of nodes is parted best, judged at planes between equal bins of their centroids along
 // all three axes [Wald2007]. Costs are areas times references, summed over the two sides.
 
 namespace treelet {
-
-/// A box in registers; the fourth lanes mean nothing.
-struct WideBox {
-  using Lanes = float __attribute__((vector_size(16)));
-  Lanes lower, upper;
-
-  static WideBox empty() {
-    const Lanes inf = Lanes{} + std::numeric_limits<float>::infinity();
-    return {inf, -inf};
-  }
-  static WideBox of(const BinaryNode& node) {
-    WideBox box;
-    std::memcpy(&box.lower, &node.lower, sizeof(Lanes));
-    std::memcpy(&box.upper, &node.upper, sizeof(Lanes));
-    return box;
-  }
-
-  void add(const WideBox& box) {
-    lower = box.lower < lower ? box.lower : lower;
-    upper = box.upper > upper ? box.upper : upper;
-  }
-  void add_point(Lanes point) { add({point, point}); }
-  Lanes doubled_centroid() const { return lower + upper; }
-  float area() const { return half_area(narrow()); }
-  Aabb narrow() const { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
-};
 
 /// Bins of an axis.
 constexpr int kMinNodeBins = 2, kMaxNodeBins = 128;
@@ -48,21 +21,21 @@ class NodeGrid {
  public:
   using Bins = std::int32_t __attribute__((vector_size(16)));
 
-  NodeGrid(const WideBox& centroids, int bins);
+  NodeGrid(const BoxLanes& centroids, int bins);
 
   int bins() const { return bins_; }
   /// Whether there is an axis that tells the centroids apart.
   bool can_part() const { return can_part_; }
   bool can_part(int axis) const { return scale_[axis] > 0.0f; }
   /// One a lane, of all axes.
-  Bins of(const WideBox& box) const {
-    const WideBox::Lanes at = (box.doubled_centroid() - lower_) * scale_;
-    const WideBox::Lanes last = WideBox::Lanes{} + float(bins_ - 1);
+  Bins of(const BoxLanes& box) const {
+    const BoxLanes::Floats at = (box.doubled_centroid() - lower_) * scale_;
+    const BoxLanes::Floats last = BoxLanes::Floats{} + float(bins_ - 1);
     return __builtin_convertvector(at < last ? at : last, Bins);
   }
 
  private:
-  WideBox::Lanes lower_, scale_;
+  BoxLanes::Floats lower_, scale_;
   int bins_;
   bool can_part_;
 };
@@ -73,7 +46,7 @@ struct NodeSplit {
   int axis = 0, bin = 0;
   std::uint32_t left_nodes = 0, left_references = 0;
   std::uint32_t imbalance = 0;  ///< decides between equal costs
-  WideBox left = WideBox::empty(), right = WideBox::empty();
+  BoxLanes left = BoxLanes::empty(), right = BoxLanes::empty();
 
   bool exists() const { return left_nodes > 0; }
   bool better_than(const NodeSplit& other) const {

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 
 #include <treelet/core/aabb.h>
 
@@ -15,6 +16,10 @@ struct BoxLanes {
 
   Floats lower, upper;
 
+  static BoxLanes empty() {
+    constexpr Floats kInfinity = Floats{} + std::numeric_limits<float>::infinity();
+    return {kInfinity, -kInfinity};
+  }
   /// Of a box that lies in memory as two times four values, such as a node or a reference.
   template <class T>
   static BoxLanes load_box(const T& item) {
@@ -37,6 +42,10 @@ struct BoxLanes {
     const Floats d = upper - lower;
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
   }
+  /// Twice the centroid (primitive/reference.h).
+  Floats doubled_centroid() const { return lower + upper; }
+  void add(const BoxLanes& box) { *this = merge(*this, box); }
+  void add_point(Floats point) { add({point, point}); }
   Aabb box() const { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
 
   friend BoxLanes merge(const BoxLanes& a, const BoxLanes& b) {

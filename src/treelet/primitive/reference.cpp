@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -73,9 +72,7 @@ class ReferenceWriter {
 Summary write_range(const Mesh& mesh, std::size_t begin, std::size_t end,
                     const PowerOfTwoScale& scale, Reference* out) {
   const ReferenceWriter writer(scale);
-  constexpr BoxLanes::Floats kInfinity =
-      BoxLanes::Floats{} + std::numeric_limits<float>::infinity();
-  BoxLanes range{kInfinity, -kInfinity};
+  BoxLanes range = BoxLanes::empty();
   Summary summary;
   for (std::size_t i = begin; i < end; ++i) {
     const Triangle triangle = mesh.triangle(i);
@@ -83,7 +80,7 @@ Summary write_range(const Mesh& mesh, std::size_t begin, std::size_t end,
     ++summary[kind];
     if (kind != TriangleKind::regular) continue;
     const BoxLanes box = bounds_in_lanes(triangle);
-    range = merge(range, box);
+    range.add(box);
     writer.write(box, std::uint32_t(i), out++);
   }
   summary.bounds = range.box();
