@@ -33,7 +33,7 @@ EXTENSION_INPUTS := CMakeLists.txt $(wildcard cmake/*) \
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cpp test-python test-cuda lint format bench bench-peers sanitize cuda gpu docs wheel install clean
+.PHONY: help demo test test-cpp test-python test-cuda lint format bench bench-peers sanitize sanitize-address sanitize-thread cuda gpu docs wheel install clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -82,10 +82,14 @@ bench-peers: $(STAMPS)/package ## Race Embree (4, or the one in the embreex pack
 	cmake --build --preset peers
 	$(BIN)/python bench/peers/run.py --harness build/peers/bench/peers/treelet_peers $(ARGS)
 
-sanitize: $(STAMPS)/native ## Run the C++ tests, without the slow ones, under the sanitizers
+sanitize: sanitize-address sanitize-thread ## Run the C++ tests, without the slow ones, under the sanitizers
+
+sanitize-address: $(STAMPS)/native
 	@$(call configured,asan)
 	cmake --build --preset asan
 	ctest --preset asan
+
+sanitize-thread: $(STAMPS)/native
 	@$(call configured,tsan)
 	cmake --build --preset tsan
 	ctest --preset tsan
