@@ -69,8 +69,10 @@ class LbvhEmission {
     }
   }
 
-  /// The ranges of nodes that wait for their siblings, left to right. A node is a left child where
-  /// its keys share more with the key after them than with the one before (KeyRange).
+  /// Nodes that wait for their siblings lie on a stack, from left to right: the first key of each,
+  /// how many bits it shares with the key before, and what the node is worth. One that shares more
+  /// with the key after it than with the one before is a left child (KeyRange) and waits; any other
+  /// is joined to the node before it.
   void emit_subtree(const KeyRange& subtree, Value& root) const {
     std::int64_t first[kMaxDepth];
     int before[kMaxDepth];
