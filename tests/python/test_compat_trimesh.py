@@ -274,3 +274,22 @@ class TestBesideTrimesh:
         np.testing.assert_allclose(
             signed_distance(sphere, points), proximity.signed_distance(sphere, points), atol=1e-12
         )
+
+
+def test_far_meshes_have_as_few_rivals_for_a_nearest_point_as_near_ones(monkeypatch):
+    radii = []
+    overlap = treelet.Bvh.overlap_spheres
+
+    def spy(bvh, centers, reach):
+        radii.append(np.max(reach, initial=0))
+        return overlap(bvh, centers, reach)
+
+    monkeypatch.setattr(treelet.Bvh, "overlap_spheres", spy)
+    vertices, faces = torus(40, 20)
+    points = np.random.default_rng(5).normal(size=(50, 3))
+    for offset in (np.zeros(3), np.array([450_000.0, 5_400_000.0, 0.0])):
+        mesh = PlainMesh(vertices.astype(np.float64) + offset, faces)
+        distance = closest_point(mesh, points + offset)[1]
+        assert np.all(np.isfinite(distance))
+    near, far = radii
+    assert 0 < far < 4 * near
