@@ -37,6 +37,7 @@ def measure(size: int, builds: int) -> list[Measurement]:
 
 
 def main() -> None:
+    """Measure all sizes, print a line for each and write them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("out/scaling"))
     parser.add_argument("--sizes", type=int, nargs="+", default=[1_000_000, 50_000_000])
