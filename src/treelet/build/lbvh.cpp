@@ -18,7 +18,7 @@ class TreeNodes {
   TreeNodes(const References& references, BinaryTree& tree)
       : items_(references.items.data()), nodes_(tree.nodes.data()) {}
 
-  void set_leaf(Value& node, std::uint32_t reference) const {
+  void set_leaf(Value& node, std::size_t, std::uint32_t reference) const {
     node = make(BoxLanes::load_box(items_[reference]), reference, 1);
   }
   void join(Value& left, const Value& right, std::uint32_t left_slot) const {

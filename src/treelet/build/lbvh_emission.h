@@ -16,8 +16,9 @@ namespace treelet {
 /// every node when its last key has come [Apetrei2014]: what is written is still in the cache when
 /// the parent needs it. The nodes are those of emit_nodes (build/lbvh_steps.h), slot for slot.
 ///
-/// What a node is worth is the user's: nodes.set_leaf(value, reference) makes a Value,
-/// nodes.join(left, right, slot of the left child) makes the left child's value its parent's.
+/// What a node is worth is the user's: nodes.set_leaf(value, key, reference) makes a
+/// Value, nodes.join(left, right, slot of the left child) makes the left child's value its
+/// parent's.
 template <class Nodes>
 class LbvhEmission {
  public:
@@ -84,7 +85,7 @@ class LbvhEmission {
       ++top;
       first[top] = i;
       before[top] = before_next;
-      nodes_.set_leaf(values[top], order_[std::size_t(i)]);
+      nodes_.set_leaf(values[top], std::size_t(i), order_[std::size_t(i)]);
       before_next = after;
       for (; top > 0 && before[top] >= after; --top) {
         nodes_.join(values[top - 1], values[top], left_child_slot(first[top] - 1));

@@ -19,10 +19,12 @@ class CollapsingNodes {
     std::uint32_t count;
   };
 
-  CollapsingNodes(const References& references, const WideCollapseFold& fold)
-      : items_(references.items.data()), fold_(fold) {}
+  CollapsingNodes(const References& references, const WideCollapseFold& fold,
+                  Array<std::uint32_t>& faces)
+      : items_(references.items.data()), fold_(fold), faces_(faces.data()) {}
 
-  void set_leaf(Value& node, std::uint32_t reference) const {
+  void set_leaf(Value& node, std::size_t key, std::uint32_t reference) const {
+    faces_[key] = items_[reference].face;
     node.box = BoxLanes::load_box(items_[reference]);
     fold_.set_leaf(node.box.half_area(), reference, node.subtree);
     node.count = 1;
@@ -38,6 +40,7 @@ class CollapsingNodes {
  private:
   const Reference* const items_;
   const WideCollapseFold& fold_;
+  std::uint32_t* const faces_;
 };
 
 }  // namespace
@@ -49,7 +52,8 @@ WideCollapse collapse_lbvh(const References& references, const WideCostModel& mo
   WideCollapse collapse{Array<CollapsedNode>(2 * references.size())};
   if (references.size() == 0) return collapse;
   const WideCollapseFold fold(model, sah, collapse);
-  const CollapsingNodes nodes(references, fold);
+  collapse.faces = Array<std::uint32_t>(references.size());
+  const CollapsingNodes nodes(references, fold, collapse.faces);
   LbvhEmission emission(order, nodes);
   const auto root = emission.run();
   fold.finish(root.box.half_area(), root.subtree);

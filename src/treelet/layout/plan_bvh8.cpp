@@ -9,6 +9,7 @@
 #include <treelet/layout/bvh8.h>
 #include <treelet/layout/leaf_box_steps.h>
 #include <treelet/layout/leaf_collapse.h>
+#include <treelet/layout/leaf_keys.h>
 #include <treelet/layout/wide_collapse_steps.h>
 #include <treelet/primitive/power_of_two.h>
 
@@ -50,7 +51,8 @@ class Planner {
 
   void plan() {
     if (part_.is_top) return plan_top();
-    walk();
+    if (!source_.collapse.faces.empty()) return walk_keys();
+    walk([&](std::uint32_t leaf) { add_leaf(leaf); });
     if (!has_pieces()) look_up_faces(source_.references, part_.faces);
   }
 
@@ -61,13 +63,15 @@ class Planner {
 
   bool has_pieces() const { return source_.references.may_repeat_faces; }
 
-  void walk() {
+  /// leaf(slot) for each leaf, from left to right.
+  template <class Leaf>
+  void walk(Leaf&& leaf) {
     std::vector<Item> stack{{part_.slot, 1}};
     while (!stack.empty()) {
       const Item item = stack.back();
       stack.pop_back();
       if (entries_[item.slot].decision.is_leaf) {
-        add_leaf(item.slot);
+        leaf(item.slot);
         continue;
       }
       const WideChildren children = add_node(item);
@@ -75,6 +79,14 @@ class Planner {
         stack.push_back({children.slots[i], item.depth + 1});
       }
     }
+  }
+
+  void walk_keys() {
+    LeafKeys keys(source_.collapse, part_.slot);
+    const std::uint32_t begin = keys.next();
+    walk([&](std::uint32_t leaf) { add_leaf_size(keys.count(leaf)); });
+    const std::uint32_t* const faces = source_.collapse.faces.data();
+    part_.faces.assign(faces + begin, faces + keys.next());
   }
 
   /// A node above the cut, whose children are parts of their own. A root that would rather be a
@@ -100,7 +112,10 @@ class Planner {
       look_up_once(source_.references, part_.faces, begin);
       part_.regions.push_back(to_mesh_units(source_.tree.nodes[slot].box(), source_.scale));
     }
-    const std::uint32_t triangles = std::uint32_t(part_.faces.size() - begin);
+    add_leaf_size(std::uint32_t(part_.faces.size() - begin));
+  }
+
+  void add_leaf_size(std::uint32_t triangles) {
     part_.leaf_sizes.push_back(std::uint8_t(triangles));
     size_.triangles += triangles;
     size_.blocks += blocks_for(triangles);

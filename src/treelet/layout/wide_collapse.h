@@ -72,6 +72,8 @@ struct WideCollapse {
   std::vector<std::uint32_t> large{};  ///< slots with more than kSubtreeReferences, ascending
   float root_cost = 0.0f;
   double sah = 0.0;  ///< of the binary tree: collapsed_sah_cost (layout/leaf_collapse.h)
+  /// By key, where slots tell the keys below them (layout/leaf_keys.h); else empty.
+  Array<std::uint32_t> faces{};
 
   bool empty() const { return by_slot.empty(); }
   bool is_leaf(std::uint32_t slot) const { return by_slot[slot].decision.is_leaf != 0; }
