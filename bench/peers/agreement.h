@@ -12,4 +12,8 @@ inline constexpr float kRelativeTolerance = 1e-4f;
 /// The share of rays whose answers differ, hit against miss included.
 double share_of_differences(Query query, const Answers& expected, const Answers& actual);
 
+/// The share of rays whose answers differ in any bit of t, face, u or v. Nothing between trees that
+/// this library traces: its hits are exact.
+double share_of_unequal_bits(Query query, const Answers& expected, const Answers& actual);
+
 }  // namespace treelet::peers

@@ -19,7 +19,10 @@ struct Arguments {
 inline constexpr const char* kUsage =
     "treelet_peers SCENE [--contender=TEXT]... [--builds=N] [--repeats=N] [--threads=N]\n"
     "SCENE is a file that bench/peers/scene_file.py wrote. A TEXT is embree:low, embree:medium or\n"
-    "embree:high, with +robust or +compact behind it, or a recipe. One JSON line a measurement\n"
+    "embree:high, with +robust or +compact behind it, or embree-tree:high and so on, Embree's "
+    "tree\n"
+    "in this library's layout, with +budget=N or +block=N, or a recipe. One JSON line a "
+    "measurement\n"
     "goes to the standard output.\n";
 
 /// Throws std::invalid_argument.

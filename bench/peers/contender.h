@@ -37,8 +37,8 @@ class Contender {
   virtual JsonObject count_work(const RayBatch& rays) const = 0;
 };
 
-/// From "embree:high", "embree:low+robust" and so on, or from a recipe of treelet. Throws
-/// std::invalid_argument for a text that is neither.
+/// From "embree:high", "embree:low+robust" and so on, from "embree-tree:high", "embree-tree:low"
+/// and so on, or from a recipe of treelet. Throws std::invalid_argument for a text that is none.
 std::unique_ptr<Contender> make_contender(std::string_view text);
 
 }  // namespace treelet::peers

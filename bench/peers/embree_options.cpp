@@ -8,22 +8,6 @@ namespace {
 constexpr std::string_view kQualities[] = {"low", "medium", "high"};  // by Embree's numbers
 constexpr std::string_view kLabels[] = {"Embree LOW", "Embree MEDIUM", "Embree HIGH"};
 
-/// Takes the words before the next '+' off the text.
-std::string_view take_word(std::string_view& text) {
-  const std::size_t end = text.find('+');
-  const std::string_view word = text.substr(0, end);
-  text = end == text.npos ? "" : text.substr(end + 1);
-  return word;
-}
-
-RTCBuildQuality parse_quality(std::string_view word) {
-  for (int i = 0; i < 3; ++i) {
-    if (word == kQualities[i]) return RTCBuildQuality(i);
-  }
-  throw std::invalid_argument("Embree has no quality '" + std::string(word) +
-                              "': choose from low, medium, high");
-}
-
 void set_flag(EmbreeOptions& options, std::string_view word) {
   if (word == "robust") {
     options.is_robust = true;
@@ -37,6 +21,23 @@ void set_flag(EmbreeOptions& options, std::string_view word) {
 
 }  // namespace
 
+RTCBuildQuality parse_embree_quality(std::string_view word) {
+  for (int i = 0; i < 3; ++i) {
+    if (word == kQualities[i]) return RTCBuildQuality(i);
+  }
+  throw std::invalid_argument("Embree has no quality '" + std::string(word) +
+                              "': choose from low, medium, high");
+}
+
+std::string_view embree_quality_word(RTCBuildQuality quality) { return kQualities[quality]; }
+
+std::string_view take_word(std::string_view& text) {
+  const std::size_t end = text.find('+');
+  const std::string_view word = text.substr(0, end);
+  text = end == text.npos ? "" : text.substr(end + 1);
+  return word;
+}
+
 RTCSceneFlags EmbreeOptions::flags() const {
   return RTCSceneFlags((is_robust ? RTC_SCENE_FLAG_ROBUST : 0) |
                        (is_compact ? RTC_SCENE_FLAG_COMPACT : 0));
@@ -48,14 +49,14 @@ std::string EmbreeOptions::label() const {
 }
 
 std::string EmbreeOptions::text() const {
-  return std::string(kEmbreePrefix) + std::string(kQualities[quality]) +
+  return std::string(kEmbreePrefix) + std::string(embree_quality_word(quality)) +
          (is_robust ? "+robust" : "") + (is_compact ? "+compact" : "");
 }
 
 EmbreeOptions parse_embree_options(std::string_view text) {
   text.remove_prefix(kEmbreePrefix.size());
   EmbreeOptions options;
-  options.quality = parse_quality(take_word(text));
+  options.quality = parse_embree_quality(take_word(text));
   while (!text.empty()) set_flag(options, take_word(text));
   return options;
 }

@@ -22,6 +22,14 @@ struct EmbreeOptions {
 
 inline constexpr std::string_view kEmbreePrefix = "embree:";
 
+/// Reads "low", "medium" or "high". Throws std::invalid_argument.
+RTCBuildQuality parse_embree_quality(std::string_view word);
+/// The word that gives this quality.
+std::string_view embree_quality_word(RTCBuildQuality quality);
+
+/// Takes the word before the next '+' off the text.
+std::string_view take_word(std::string_view& text);
+
 /// Reads "embree:low", "embree:medium" or "embree:high", with "+robust" or "+compact" behind it.
 /// Throws std::invalid_argument.
 EmbreeOptions parse_embree_options(std::string_view text);

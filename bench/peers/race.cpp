@@ -83,6 +83,7 @@ void race_rays(const Contenders& contenders, const RaySet& rays, const RacePlan&
     } else {
       timing.details = contender.count_work(batch);
       timing.details.add("differing", share_of_differences(query, expected, answers));
+      timing.details.add("unequal", share_of_unequal_bits(query, expected, answers));
     }
   });
   for (Entrant& entrant : entrants) timings.push_back(std::move(entrant.timing));

@@ -78,7 +78,8 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
         action="append",
         default=[],
         metavar="TEXT",
-        help="a recipe, or embree:low, medium or high with +robust or +compact; may be repeated",
+        help="a recipe, embree:low, medium or high with +robust or +compact, or embree-tree:low, medium or "
+        "high with +budget=N or +block=N; may be repeated",
     )
     parser.add_argument("--triangles", type=count, default=200_000, help="of embedded scenes")
     parser.add_argument("--width", type=count, default=1024, help="of the picture whose rays are traced")

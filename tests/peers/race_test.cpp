@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
@@ -19,8 +20,12 @@ namespace treelet::peers {
 namespace {
 
 constexpr std::uint64_t kSeed = 7;
-const char* const kTexts[] = {"fast", "embree:low", "embree:high", "embree:medium+robust",
-                              "embree:high+compact"};
+const char* const kTexts[] = {"fast",
+                              "embree:low",
+                              "embree:high",
+                              "embree:medium+robust",
+                              "embree:high+compact",
+                              "embree-tree:high+budget=100"};
 
 /// A sphere and rays from its inside, all of which hit, in a number that fills no packets.
 SceneFile sphere_scene() {
@@ -91,8 +96,23 @@ TEST(Contenders, NameTheFaceAndWhereItIsHit) {
   }
 }
 
+TEST(Contenders, OfThisLibrarysTraversalGiveTheSameBits) {
+  const SceneFile scene = sphere_scene();
+  const RayBatch rays = scene.ray_sets[0].batch();
+  const auto ours = make_contender("sbvh > bvh8"), theirs = make_contender("embree-tree:high");
+  Answers our_answers(rays.size), their_answers(rays.size);
+  ours->build(scene.mesh());
+  theirs->build(scene.mesh());
+  ours->answer(Query::closest, rays, our_answers);
+  theirs->answer(Query::closest, rays, their_answers);
+  EXPECT_EQ(share_of_unequal_bits(Query::closest, our_answers, their_answers), 0.0);
+  EXPECT_NE(ours->describe_tree().text(), theirs->describe_tree().text());
+  EXPECT_NE(theirs->count_work(rays).text().find("nodes_per_ray"), std::string::npos);
+}
+
 TEST(Contenders, RefuseATextThatIsNone) {
   EXPECT_THROW(make_contender("embree:best"), std::invalid_argument);
+  EXPECT_THROW(make_contender("embree-tree:best"), std::invalid_argument);
   EXPECT_THROW(make_contender("no such recipe"), std::invalid_argument);
 }
 
@@ -128,6 +148,21 @@ TEST(Agreement, CountsWhatDiffersBeyondTheTolerance) {
     actual.occluded[i] = i < 3;
   }
   EXPECT_DOUBLE_EQ(share_of_differences(Query::any, expected, actual), 1.0 / 5);
+}
+
+TEST(Agreement, CountsWhatDiffersInAnyBit) {
+  Answers expected(5), actual(5);
+  expected.t = actual.t = {1, 2, 3, 4, 5};
+  actual.t[0] = std::nextafter(1.0f, 2.0f);
+  actual.u[1] = 0.5f;
+  actual.v[2] = -0.0f;
+  actual.face[3] = 7;
+  EXPECT_DOUBLE_EQ(share_of_unequal_bits(Query::closest, expected, actual), 4.0 / 5);
+  for (int i = 0; i < 5; ++i) {
+    expected.occluded[i] = i < 2;
+    actual.occluded[i] = i < 3;
+  }
+  EXPECT_DOUBLE_EQ(share_of_unequal_bits(Query::any, expected, actual), 1.0 / 5);
 }
 
 TEST(PeakMemory, IsWhatWasHeldAtOnce) {

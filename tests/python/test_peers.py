@@ -165,9 +165,31 @@ class TestTable:
         for name, labels in (("both", ("LOW", "HIGH")), ("one", ("LOW",))):
             lines = [json.dumps(record(f"Embree {label}", "build", 1.0)) for label in labels]
             (tmp_path / f"{name}.jsonl").write_text("\n".join(lines) + "\n")
-        assert len(peers_table.read_scenes(tmp_path)) == 1
+        assert len(peers_table.read_scenes(tmp_path, {"Embree LOW", "Embree HIGH"})) == 1
         peers_table.main([str(tmp_path)])
         assert "| Embree LOW | 1.00 |" in capsys.readouterr().out
+
+    def test_holds_trees_against_each_other(self, tmp_path, capsys):
+        ours, theirs = peers_table.OUR_TREE, peers_table.THEIR_TREE
+        work = {"nodes_per_ray": 4.0, "triangles_per_ray": 2.0, "unequal": 0.0}
+        records = [record(ours, "build", 1.0, sah=10.0), record(theirs, "build", 3.0, sah=5.0)]
+        records += [record(ours, "diffuse", 1.0, **work)]
+        records += [record(theirs, "diffuse", 2.0, **work | {"nodes_per_ray": 2.0, "unequal": 0.25})]
+        records = [each | {"rays": 4} for each in records]
+        heading, row, _ = peers_table.tree_table([peers_table.Scene(records)], ours, theirs)
+        values = dict(zip(heading, row, strict=True))
+        assert (values["SAH"], values["build time"], values["layout SAH"]) == ("0.50", "3.00", "–")
+        assert (values["diffuse nodes"], values["diffuse triangles"]) == ("0.50", "1.00")
+        assert (values["diffuse time"], values["primary time"]) == ("2.00", "–")
+        assert values["unequal rays"] == "1.00"
+        (tmp_path / "s.jsonl").write_text("\n".join(map(json.dumps, records)) + "\n")
+        peers_table.main([str(tmp_path)])
+        assert f"{theirs} over {ours}" in capsys.readouterr().out
+
+    def test_says_what_is_missing(self, tmp_path, capsys):
+        with pytest.raises(SystemExit, match="2"):
+            peers_table.main([str(tmp_path)])
+        assert "no measurements of Embree LOW and Embree HIGH" in capsys.readouterr().err
 
 
 def test_adapters_give_the_same_hits(tmp_path):
