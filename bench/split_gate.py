@@ -1,10 +1,10 @@
-"""Count what splitting triangles is worth: never, always, by trial (`trysplit`), and on the way down (`sbvh`).
+"""Count what splitting triangles is worth: never, always, by trial (`trysplit`) and on the way down (`sbvh`).
 
 TREELET_SCENES=FOLDER python bench/split_gate.py --out out/split_gate [--scenes city kitchen ...]
 
 Prints a line a scene: work of diffuse rays (nodes + 0.2 triangles) and SAH of every recipe over those of the
-unsplit one, what the trial found, and what it took. Scenes that are not there are skipped. Work is counted, so
-it is the same on every machine; build times are those of all threads together.
+unsplit one, what the trial found, and what it took. Scenes that are not there are skipped. Work is counted,
+so it is the same on every machine; build times are those of all threads together.
 """
 
 from __future__ import annotations
@@ -26,12 +26,27 @@ from treelet.view import automatic_view
 
 TRIANGLE_WORK = 0.2  # in visits of a node: three triangles a block, 0.6 a block
 EMBEDDED_TRIANGLES = 200_000
-ROTATED = ", rotated"  # by 25 degrees about x, then 30 about z
-SCENES = (
-    ("kitchen", "conference", "crytek_sponza", "crytek_sponza, rotated", "clinic", "hospital_mep", "dragon")
-    + ("sibenik", "san_miguel", "vegetation", "bmw_m6", "city", "interior", "interior, rotated", "terrain")
-    + ("menger", "forest", "soup")
-)
+ROTATED = "-rotated"  # by 25 degrees about x, then 30 about z
+SCENES = [
+    "kitchen",
+    "conference",
+    "crytek_sponza",
+    "crytek_sponza-rotated",
+    "clinic",
+    "hospital_mep",
+    "dragon",
+    "sibenik",
+    "san_miguel",
+    "vegetation",
+    "bmw_m6",
+    "city",
+    "interior",
+    "interior-rotated",
+    "terrain",
+    "menger",
+    "forest",
+    "soup",
+]
 _TREELET = "lbvh > treelet(rounds=2, gamma=14)"
 CANDIDATES = (
     Candidate("unsplit", f"{_TREELET} > bvh8"),
@@ -141,7 +156,7 @@ def main() -> None:
     """Measure the scenes, print a row for each and write their lines."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("out/split_gate"))
-    parser.add_argument("--scenes", nargs="+", default=list(SCENES))
+    parser.add_argument("--scenes", nargs="+", default=SCENES)
     parser.add_argument("--builds", type=int, default=3)
     arguments = parser.parse_args()
     print(header())
@@ -151,7 +166,7 @@ def main() -> None:
             continue
         lines = measure(mesh, arguments.builds)
         print(describe(lines), flush=True)
-        write_measurements(arguments.out / f"{name.replace(', ', '-')}.jsonl", lines)
+        write_measurements(arguments.out / f"{name}.jsonl", lines)
 
 
 if __name__ == "__main__":

@@ -67,7 +67,8 @@ class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
                 tree keeps its `offset`: where a mesh moves far away in float64, rebuild it.
 
         Recipes that split triangles (`presplit`, `trysplit`, `sbvh`, the presets `better` and `best`) lose
-        more by a refit than splitting gained: their pieces get the boxes of whole triangles. Rebuild such trees.
+        more by a refit than splitting gained: their pieces get the boxes of whole triangles. Rebuild such
+        trees.
 
         Raises:
             RuntimeError: for a tree built without `updatable=True`, or while another thread uses it.

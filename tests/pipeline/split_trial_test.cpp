@@ -84,8 +84,8 @@ TEST(SplitTrial, FindsWhatBruteForceFinds) {
       const std::string recipe = "trysplit(budget=100, margin=0) > lbvh > treelet > " + layout;
       const Bvh bvh = build(mesh, recipe, {.validate = true});
       for (const Ray& ray : test::rays_at(mesh, 8, 22)) {
-        ASSERT_EQ(bvh.intersect(ray), intersect_brute_force(mesh, ray)) << hard.name << ", "
-                                                                        << recipe;
+        ASSERT_EQ(bvh.intersect(ray), intersect_brute_force(mesh, ray))
+            << hard.name << ", " << recipe;
       }
     }
   }

@@ -27,7 +27,9 @@ std::size_t ray_count(const Mesh& mesh) {
 struct VisitCosts {
   double node, triangle;
 };
-VisitCosts visit_costs(const Bvh2&) { return {SahModel{}.traversal_cost, SahModel{}.intersection_cost}; }
+VisitCosts visit_costs(const Bvh2&) {
+  return {SahModel{}.traversal_cost, SahModel{}.intersection_cost};
+}
 VisitCosts visit_costs(const Bvh8&) {
   constexpr double kTrianglesABlock = 3.0;  // of four places
   return {WideCostModel{}.node_cost, WideCostModel{}.block_cost / kTrianglesABlock};
