@@ -57,6 +57,9 @@ CANDIDATES = (
     Candidate("by trial, reinsert", f"trysplit(budget=30) > {_TREELET} > reinsert > bvh8"),
     Candidate("sbvh", f"sbvh(budget=50) > {_TREELET.removeprefix('lbvh > ')} > reinsert > bvh8"),
 )
+WORK_LABELS = [candidate.label for candidate in CANDIDATES[1:]]
+SAH_LABELS = ("always", "sbvh")
+TIME_LABELS = ("unsplit", "by trial", "by trial, reinsert", "sbvh")  # processor time a triangle
 
 
 def load(name: str) -> Mesh | None:
@@ -133,22 +136,21 @@ def describe(lines: list[Measurement]) -> str:
     """The scene's row of the table."""
     by_label = {line.label: line for line in lines}
     plain = by_label["unsplit"]
-    cells = [f"{plain.scene}", f"{plain.faces:,}".replace(",", " ")]
-    for part in ("diffuse_work", "sah"):
-        cells.append(f"{plain.details[part]:.2f}")
-        others = [line.details[part] / plain.details[part] for line in lines if line is not plain]
-        cells += [f"{ratio:.2f}" for ratio in others]
-    cells.append(by_label["by trial"].details["stages"][-1]["name"].removeprefix("count work: "))
-    for label in ("unsplit", "by trial", "by trial, reinsert", "sbvh"):
-        cells.append(f"{1e9 * by_label[label].seconds / plain.faces:.0f}")
+    cells = [plain.scene, f"{plain.faces:,}".replace(",", " ")]
+    for part, labels in (("diffuse_work", WORK_LABELS), ("sah", SAH_LABELS)):
+        cells.append(f"{plain.details[part]:.1f}")
+        cells += [f"{by_label[label].details[part] / plain.details[part]:.2f}" for label in labels]
+    for label in ("by trial", "by trial, reinsert"):
+        note = next(stage["name"] for stage in by_label[label].details["stages"] if ":" in stage["name"])
+        cells.append(note.removeprefix("count work: ").replace(" with splits", ""))
+    cells += [f"{1e9 * by_label[label].seconds / plain.faces:.0f}" for label in TIME_LABELS]
     return "| " + " | ".join(cells) + " |"
 
 
 def header() -> str:
     """The table's head; other numbers of work and SAH are relative to the unsplit one."""
-    others = [candidate.label for candidate in CANDIDATES[1:]]
-    cells = ["scene", "triangles", "work, unsplit", *others, "SAH, unsplit", *others, "trial"]
-    cells += [f"ns, {label}" for label in ("unsplit", "by trial", "by trial, reinsert", "sbvh")]
+    cells = ["scene", "triangles", "work, unsplit", *WORK_LABELS, "SAH, unsplit", *SAH_LABELS]
+    cells += ["trial", "trial, reinsert", *(f"ns, {label}" for label in TIME_LABELS)]
     return "| " + " | ".join(cells) + " |\n|" + "---|" * len(cells)
 
 

@@ -98,14 +98,14 @@ Bvh build_by_trial(const Mesh& mesh, const Recipe& recipe, const BuildOptions& o
   const double work = compare_work(mesh, whole, split);
   const bool is_split = work < 1.0 - recipe.splitter->value("margin") / 100.0;
   const double counting = seconds_since(count_start);
-  Bvh& kept = is_split ? split : whole;
-  BuildReport& report = kept.report;
-  report.stages.push_back({is_split ? "try without splits" : "try with splits",
-                           (is_split ? whole : split).report.seconds});
+  BuildReport& report = (is_split ? split : whole).report;
+  const StageTime other = is_split ? StageTime{"try without splits", whole.report.seconds}
+                                   : StageTime{"try with splits", split.report.seconds};
+  report.stages.insert(is_split ? report.stages.begin() : report.stages.end(), other);
   report.stages.push_back({describe(work, is_split), counting});
   report.recipe = recipe.text();
   report.seconds = seconds_since(start);
-  return std::move(kept);
+  return std::move(is_split ? split : whole);
 }
 
 }  // namespace treelet
