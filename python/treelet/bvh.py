@@ -66,8 +66,9 @@ class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
             vertices: (V, 3) as for `treelet.build`, as many as there: the faces are those of the build. The
                 tree keeps its `offset`: where a mesh moves far away in float64, rebuild it.
 
-        Recipes that split triangles (`presplit`, `sbvh`, the preset `best`) lose more by a refit than
-        splitting gained: their pieces get the boxes of whole triangles. Rebuild such trees.
+        Recipes that split triangles (`presplit`, `trysplit`, `sbvh`, the presets `better` and `best`) lose
+        more by a refit than splitting gained: their pieces get the boxes of whole triangles. Rebuild such
+        trees.
 
         Raises:
             RuntimeError: for a tree built without `updatable=True`, or while another thread uses it.
@@ -205,8 +206,8 @@ def build(
         recipe: the name of a preset (see `treelet.presets`) or the text of a recipe, such as
             "lbvh > treelet(size=8) > bvh8" (see `treelet.recipe_words`); "balanced" if None.
         rays: how many rays the tree is for, instead of a recipe: the preset that is expected to build and
-            trace in the least time, `report.recipe` tells which. Not `best` for updatable trees, whose
-            pieces a refit would spoil, nor on a device, which cannot build it.
+            trace in the least time, `report.recipe` tells which. Neither `better` nor `best` for updatable
+            trees, whose pieces a refit would spoil, nor on a device, which cannot build them.
         updatable: keep what `Bvh.refit` and `Bvh.rebuild` need: 12 bytes a face, and from the first rebuild
             on the memory that a build takes (`report.held_bytes`).
         validate: check the tree after every stage; about doubles the time.

@@ -17,7 +17,7 @@ TEST(ChoosePreset, SpendsMoreOnTheTreeTheMoreRaysThereAre) {
     const std::string preset(choose_preset(1'000'000, rays));
     if (chosen.empty() || chosen.back() != preset) chosen.push_back(preset);
   }
-  EXPECT_EQ(chosen, (std::vector<std::string>{"fast", "balanced", "best"}));
+  EXPECT_EQ(chosen, (std::vector<std::string>{"fast", "balanced", "better", "best"}));
 }
 
 TEST(ChoosePreset, CountsRaysATriangle) {

@@ -152,8 +152,9 @@ def test_extreme_scales(scale):
 
 def test_the_number_of_rays_chooses_a_preset():
     vertices, faces = grid(20)
-    chosen = [treelet.build(vertices, faces, rays=rays).report.recipe for rays in (0, len(faces) * 10, 1e12)]
-    assert chosen == [treelet.parse_recipe(preset) for preset in ("fast", "balanced", "best")]
+    numbers = (0, len(faces) * 10, len(faces) * 60, 1e12)
+    chosen = [treelet.build(vertices, faces, rays=rays).report.recipe for rays in numbers]
+    assert chosen == [treelet.parse_recipe(preset) for preset in ("fast", "balanced", "better", "best")]
 
 
 @pytest.mark.parametrize("rays", [-1, float("nan")])

@@ -16,7 +16,7 @@ from sample_rays import as_bytes, mixed_rays
 import treelet
 from treelet.mesh import Mesh
 
-RECIPES = ["lbvh > bvh2", "balanced", "best", "lbvh > treelet > cwbvh", "presplit > lbvh > bvh8"]
+RECIPES = ["lbvh > bvh2", "balanced", "better", "best", "lbvh > treelet > cwbvh", "presplit > lbvh > bvh8"]
 
 
 @pytest.fixture(scope="module")

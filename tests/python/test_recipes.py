@@ -66,6 +66,9 @@ ALL_NAMES = ", ".join([STAGES, *treelet.presets()])
         ("presplit > treelet", "needs a builder after 'presplit', not the optimizer 'treelet'"),
         ("presplit > bvh8", "needs a builder after 'presplit', not the layout 'bvh8'"),
         ("presplit > presplit > lbvh", "has a second splitter, 'presplit'"),
+        ("presplit > trysplit > lbvh", "has a second splitter, 'trysplit'"),
+        ("trysplit(margin=-1) > lbvh", "trysplit(margin) must be a whole number from 0 to 100"),
+        ("trysplit(gate=1) > lbvh", "unknown argument trysplit(gate); there are: budget, margin"),
         ("lbvh > presplit", "the splitter 'presplit' must come first"),
         ("treelet > bvh2", "must begin with a builder, not with the optimizer 'treelet'"),
         ("lbvh > sweep", "has a second builder, 'sweep'"),
@@ -103,7 +106,7 @@ def test_a_recipe_must_be_text(bad):
 
 
 def test_presets_are_recipes():
-    assert list(treelet.presets())[:3] == ["fast", "balanced", "best"]
+    assert list(treelet.presets()) == ["fast", "balanced", "better", "best"]
     for name, recipe in treelet.presets().items():
         assert treelet.parse_recipe(name) == treelet.parse_recipe(recipe)
 
@@ -112,6 +115,7 @@ def test_words_describe_themselves():
     words = {word.name: word for word in treelet.recipe_words()}
     kinds = {
         "presplit": "splitter",
+        "trysplit": "splitter",
         "lbvh": "builder",
         "sweep": "builder",
         "treelet": "optimizer",

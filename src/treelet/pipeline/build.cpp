@@ -23,6 +23,7 @@
 #include <treelet/optimize/reinsertion.h>
 #include <treelet/optimize/rotation.h>
 #include <treelet/optimize/treelet.h>
+#include <treelet/pipeline/split_trial.h>
 #include <treelet/primitive/split.h>
 #include <treelet/tree/validate.h>
 
@@ -261,6 +262,7 @@ class Pipeline {
 }  // namespace
 
 Bvh build(const Mesh& mesh, const Recipe& recipe, const BuildOptions& options) {
+  if (tries_splitting(recipe)) return build_by_trial(mesh, recipe, options);
   return Pipeline(mesh, recipe, options).run();
 }
 

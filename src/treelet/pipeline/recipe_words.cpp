@@ -20,8 +20,14 @@
 namespace treelet {
 namespace {
 
-constexpr std::array<WordParameter, 1> kPresplitParameters{{
-    {"budget", 30, 0, 300, "references added at most, in percent of the triangles"},
+constexpr WordParameter kSplitBudget{"budget", 30, 0, 300,
+                                     "references added at most, in percent of the triangles"};
+
+constexpr std::array<WordParameter, 1> kPresplitParameters{{kSplitBudget}};
+
+constexpr std::array<WordParameter, 2> kTrysplitParameters{{
+    kSplitBudget,
+    {"margin", 2, 0, 100, "percent of rays' work that splits must save, or they are refused"},
 }};
 
 constexpr std::array<WordParameter, 1> kHplocParameters{{
@@ -97,10 +103,13 @@ constexpr std::array<WordParameter, 1> kCwbvhParameters{{
     {"leaf", CwbvhNode::kMaxLeaf, 1, CwbvhNode::kMaxLeaf, "triangles in a leaf at most"},
 }};
 
-constexpr std::array<RecipeWord, 17> kWords{{
+constexpr std::array<RecipeWord, 18> kWords{{
     {"presplit", WordKind::splitter,
      "splits triangles that fill little of their boxes (Karras and Aila 2013)",
      kPresplitParameters},
+    {"trysplit", WordKind::splitter,
+     "builds with presplit and without, and keeps the tree that rays cost less in",
+     kTrysplitParameters},
     {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
     {"hploc", WordKind::builder, "clustering of neighbours in Morton order (Benthin et al. 2024)",
      kHplocParameters},
@@ -134,10 +143,12 @@ constexpr std::array<RecipeWord, 17> kWords{{
      "eight children in 80 bytes, for CUDA (Ylitie, Karras and Laine 2017)", kCwbvhParameters},
 }};
 
-constexpr std::array<Preset, 3> kPresets{{
+constexpr std::array<Preset, 4> kPresets{{
     {"fast", "lbvh > bvh8", "quickest build: for a few million rays a frame"},
     {"balanced", "lbvh > treelet(rounds=2, gamma=14) > bvh8",
      "near-best tree for a little more time: the default"},
+    {"better", "trysplit > lbvh > treelet(rounds=2, gamma=14) > reinsert > bvh8",
+     "splits triangles if rays gain, on the CPU alone: for tens of rays a triangle"},
     {"best", "sbvh(budget=50) > treelet(rounds=2, gamma=14) > reinsert > bvh8",
      "spatial splits, on the CPU alone: for billions of rays, and for long thin triangles"},
 }};
