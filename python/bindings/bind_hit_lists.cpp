@@ -26,8 +26,8 @@ nb::tuple intersect_all(const treelet::Bvh& bvh, std::size_t rays, const Vec3Arr
 
 NumpyArray<std::int64_t> count_hits(const treelet::Bvh& bvh, std::size_t rays,
                                     const Vec3Array& origins, const Vec3Array& directions,
-                                    const FloatArray& t_min, const FloatArray& t_max,
-                                    bool reorder, const RayFilter* filter, nb::handle given) {
+                                    const FloatArray& t_min, const FloatArray& t_max, bool reorder,
+                                    const RayFilter* filter, nb::handle given) {
   const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max, filter);
   Answers<std::int64_t> counts(rays, given);
   {

@@ -58,15 +58,17 @@ NumpyArray<float> distance(const treelet::Bvh& bvh, const Vec3Array& points, nb:
   });
 }
 
-NumpyArray<float> signed_distance(const treelet::Bvh& bvh, const Vec3Array& points, nb::handle given) {
+NumpyArray<float> signed_distance(const treelet::Bvh& bvh, const Vec3Array& points,
+                                  nb::handle given) {
   return answer_points<float>(points, given, [&](const auto& batch, std::span<float> answers) {
     bvh.signed_distance(batch, answers);
   });
 }
 
 NumpyArray<bool> contains(const treelet::Bvh& bvh, const Vec3Array& points, nb::handle given) {
-  return answer_points<bool>(
-      points, given, [&](const auto& batch, std::span<bool> answers) { bvh.contains(batch, answers); });
+  return answer_points<bool>(points, given, [&](const auto& batch, std::span<bool> answers) {
+    bvh.contains(batch, answers);
+  });
 }
 
 NumpyArray<float> winding_number(const treelet::Bvh& bvh, const Vec3Array& points, float accuracy,
@@ -109,7 +111,8 @@ void bind_point_queries(nb::module_& module) {
   module.def("closest_point", closest_point, "bvh"_a, "count"_a, "points"_a.noconvert(),
              "max_distance"_a.noconvert(), "out"_a.none() = nb::none());
   module.def("distance", distance, "bvh"_a, "points"_a.noconvert(), "out"_a.none() = nb::none());
-  module.def("signed_distance", signed_distance, "bvh"_a, "points"_a.noconvert(), "out"_a.none() = nb::none());
+  module.def("signed_distance", signed_distance, "bvh"_a, "points"_a.noconvert(),
+             "out"_a.none() = nb::none());
   module.def("contains", contains, "bvh"_a, "points"_a.noconvert(), "out"_a.none() = nb::none());
   module.def("winding_number", winding_number, "bvh"_a, "points"_a.noconvert(), "accuracy"_a,
              "out"_a.none() = nb::none());

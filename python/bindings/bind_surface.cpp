@@ -33,8 +33,7 @@ NumpyArray<float> normals(const treelet::Bvh& bvh, const FaceNumbers& faces,
   Answers<float> normals(3 * of.size());
   {
     const nb::gil_scoped_release release;
-    bvh.find_normals(of, directions,
-                     {reinterpret_cast<treelet::Vec3*>(normals.data()), of.size()});
+    bvh.find_normals(of, directions, {reinterpret_cast<treelet::Vec3*>(normals.data()), of.size()});
   }
   return normals.to_numpy();
 }
@@ -42,9 +41,12 @@ NumpyArray<float> normals(const treelet::Bvh& bvh, const FaceNumbers& faces,
 NumpyArray<float> spawn(const treelet::Bvh& bvh, std::size_t rays, const FaceNumbers& face,
                         const FloatArray& u, const FloatArray& v, const Vec3Array& directions,
                         double far) {
-  const treelet::SpawnBatch batch{rays, per_ray<std::int32_t>(face, rays), per_ray<float>(u, rays),
+  const treelet::SpawnBatch batch{rays,
+                                  per_ray<std::int32_t>(face, rays),
+                                  per_ray<float>(u, rays),
                                   per_ray<float>(v, rays),
-                                  per_ray<treelet::Vec3>(directions, rays), far};
+                                  per_ray<treelet::Vec3>(directions, rays),
+                                  far};
   Answers<float> origins(3 * rays);
   {
     const nb::gil_scoped_release release;

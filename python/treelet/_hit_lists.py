@@ -125,8 +125,8 @@ class HitLists(CompiledTree):
         """Count the hits that `intersect_all` lists. Arguments and errors as there.
 
         Returns:
-            int64 array of the broadcast leading shape, which `out` may be. Takes no memory but that, and a little less time than
-            listing the hits.
+            int64 array of the broadcast leading shape, which `out` may be. Takes no memory but that, and a
+            little less time than listing the hits.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
         shown = as_filter(rays, active, face_mask, cull, self.face_count)

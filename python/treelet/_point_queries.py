@@ -44,8 +44,8 @@ class Overlaps(NamedTuple):
 class PointQueries(CompiledTree):
     """Nearest points, inside and outside, and overlaps.
 
-    Points are rounded to float32, relative to `offset`. All take any leading shape. `out` is an array to write
-    the answers to and to return, as for `Bvh.intersect`.
+    Points are rounded to float32, relative to `offset`. All take any leading shape. `out` is an array to
+    write the answers to and to return, as for `Bvh.intersect`.
     """
 
     def closest_point(

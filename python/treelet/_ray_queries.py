@@ -46,8 +46,8 @@ class RayQueries(CompiledTree):
             t_max: (...) or scalar, included.
             active: (...) bool, which rays are traced; the others miss, and take next to no time. Must
                 fit the rays' shape. By default all.
-            face_mask: (faces,) bool, which faces rays can hit; they pass through the others, as through glass,
-                to what lies behind. By default all.
+            face_mask: (faces,) bool, which faces rays can hit; they pass through the others, as through
+                glass, to what lies behind. By default all.
             cull: "back" lets rays pass through faces whose back they see, "front" through those whose front
                 they see: the side from which the corners turn counter-clockwise. Decided exactly.
             reorder: sort the rays for coherence before they are traced. Pays for incoherent batches of a
@@ -60,9 +60,10 @@ class RayQueries(CompiledTree):
             Hits(t, face, u, v), arrays of the broadcast leading shape; `out` itself where it is given.
 
         Raises:
-            ValueError: where the shapes do not fit each other, `out` is not contiguous, or `cull` is another word.
-            TypeError: where an array does not hold numbers, a mask no booleans, `out` not the answer's dtypes,
-                or where an array lies on a CUDA device.
+            ValueError: where the shapes do not fit each other, `out` is not contiguous, or `cull` is another
+                word.
+            TypeError: where an array does not hold numbers, a mask no booleans, or `out` not the answer's
+                dtypes, and where one lies on a CUDA device.
             RuntimeError: while another thread updates the tree.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
@@ -88,7 +89,8 @@ class RayQueries(CompiledTree):
         """Whether each ray hits anything in [t_min, t_max]. Arguments and errors as `intersect`.
 
         Returns:
-            bool array of the broadcast leading shape, which `out` may be. Faster than `intersect`: the first hit found ends it.
+            bool array of the broadcast leading shape, which `out` may be. Faster than `intersect`: the first
+            hit found ends it.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
         shown = as_filter(rays, active, face_mask, cull, self.face_count)

@@ -50,7 +50,7 @@ class SurfaceQueries(CompiledTree):
         return corners if self._offset == ORIGIN else corners + np.array(self._offset)
 
     def normals(self, face: ArrayLike, *, facing: ArrayLike | None = None) -> FloatArray:
-        """Geometric normals of faces, of length one, on the side from which the corners turn counter-clockwise.
+        """Geometric normals of length one, on the side from which a face turns counter-clockwise.
 
         They are computed in float64 from the float32 corners, exactly where that would cancel, and rounded.
 
@@ -119,9 +119,7 @@ class SurfaceQueries(CompiledTree):
         return np.asarray(numbers, np.int32, order="C")
 
 
-def _common_shape(
-    first: str, own: tuple[int, ...], second: str, other: tuple[int, ...]
-) -> tuple[int, ...]:
+def _common_shape(first: str, own: tuple[int, ...], second: str, other: tuple[int, ...]) -> tuple[int, ...]:
     try:
         return np.broadcast_shapes(own, other)
     except ValueError:

@@ -23,7 +23,7 @@ def bvh():
 def far():
     """A tree with an offset, whose nearest points are float64."""
     vertices, faces = torus(30, 20)
-    return treelet.build(vertices.astype(np.float64) + [4e6, 5e5, 0], faces)
+    return treelet.build(vertices + np.array([4e6, 5e5, 0]), faces)
 
 
 def scribbled(answers):
@@ -89,9 +89,9 @@ def test_arrays_that_do_not_fit_are_refused(bvh):
         occluded(np.empty(600, bool))
     with pytest.raises(ValueError, match="out must be contiguous in C order"):
         occluded(np.empty(SHAPE[::-1], bool).T)
+    frozen = np.empty(SHAPE, bool)
+    frozen.flags.writeable = False
     with pytest.raises(ValueError, match="out must be aligned and writeable"):
-        frozen = np.empty(SHAPE, bool)
-        frozen.flags.writeable = False
         occluded(frozen)
     with pytest.raises(TypeError, match="out must be a numpy array or a tensor"):
         occluded([[False] * 30] * 20)

@@ -36,8 +36,8 @@ def rays():
 def test_culling_passes_through_one_side(panes):
     origin = [0.3, 0.6, 9]
     assert panes.intersect(origin, DOWN).t == 6  # the pane at z = 3
-    front = {bvh_t for bvh_t in panes.intersect_all(origin, DOWN, cull="back").t.tolist()}
-    back = {bvh_t for bvh_t in panes.intersect_all(origin, DOWN, cull="front").t.tolist()}
+    front = set(panes.intersect_all(origin, DOWN, cull="back").t.tolist())
+    back = set(panes.intersect_all(origin, DOWN, cull="front").t.tolist())
     assert {frozenset(front), frozenset(back)} == {frozenset({6.0, 8.0}), frozenset({7.0, 9.0})}
     assert panes.intersect(origin, DOWN, cull="back").t == min(front)
     assert panes.intersect(origin, DOWN, cull="front").t == min(back)

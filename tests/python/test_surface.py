@@ -109,7 +109,7 @@ def test_no_ray_meets_the_face_that_it_leaves(scene):
 
 def test_rays_far_from_the_origin_leave_their_faces():
     vertices, faces = torus(60, 40)
-    bvh = treelet.build(vertices.astype(np.float64) + [4_321_000.1, 512_000.7, 300], faces)
+    bvh = treelet.build(vertices + np.array([4_321_000.1, 512_000.7, 300]), faces)
     assert np.any(bvh.offset)
     directions = np.random.default_rng(SEED).normal(size=(100_000, 3))
     hits = bvh.intersect([4_321_000.1, 512_000.7, 300], directions)
@@ -134,7 +134,8 @@ def test_thin_gaps_stay_open():
     vertices, faces = grid(8)
     vertices = vertices * np.float32(10)
     gap = np.float32(2.5e-5)
-    bvh = treelet.build(np.vstack([vertices, vertices + [0, 0, gap]]).astype(np.float32), np.vstack([faces, faces + 81]))
+    raised = vertices + np.float32([0, 0, gap])
+    bvh = treelet.build(np.vstack([vertices, raised]), np.vstack([faces, faces + len(vertices)]))
     rng = np.random.default_rng(SEED)
     hits = bvh.intersect(np.append(rng.uniform(1, 9, (1000, 2)), -np.ones((1000, 1)), axis=1), [0, 0, 1])
     assert (hits.face < 128).all()
@@ -145,13 +146,14 @@ def test_thin_gaps_stay_open():
     assert (above.face >= 128).all()
     light = np.append(origins[:, :2], np.full((1000, 1), gap * 0.9), axis=1)
     assert not bvh.occluded(origins, light - origins, t_max=1).any()
-    assert bvh.occluded(origins, light + [0, 0, 1] - origins, t_max=1).all()
+    assert bvh.occluded(origins, light + np.array([0, 0, 1]) - origins, t_max=1).all()
 
 
 def test_misses_spawn_rays_that_miss():
     bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES)
     hits = bvh.intersect([[5, 5, 5], [0.2, 0.2, 1]], [0, 0, -1])
     origins = bvh.spawn(hits, [0, 0, 1])
-    assert np.isnan(origins[0]).all() and np.isfinite(origins[1]).all()
+    assert np.isnan(origins[0]).all()
+    assert np.isfinite(origins[1]).all()
     assert origins[1, 2] > 0
     assert bvh.spawn(hits, [0, 0, -1])[1, 2] < 0

@@ -74,8 +74,8 @@ std::vector<Ray> rays_of(const Mesh& mesh) {
   if (box.lower.x > box.upper.x) return rays;
   const Vec3 extent = box.extent();
   for (int i = 0; i < 256; ++i) {
-    const Vec3 target = box.lower + Vec3{extent.x * float(i % 16) / 15, extent.y * float(i / 16) / 15,
-                                         extent.z * 0.5f};
+    const Vec3 target = box.lower + Vec3{extent.x * float(i % 16) / 15,
+                                         extent.y * float(i / 16) / 15, extent.z * 0.5f};
     const Vec3 eye = box.lower + Vec3{extent.x * 0.4f, extent.y * 0.6f, extent.z * 3 + extent.x};
     rays.push_back({eye, target - eye});
   }

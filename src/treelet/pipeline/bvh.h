@@ -60,7 +60,7 @@ struct Bvh {
   SahModel sah;
   BuildReport report;
   Placement placement{};
-  LazyMoments moments{};  ///< for winding_number
+  LazyMoments moments{};    ///< for winding_number
   Lazy<FaceTable> faces{};  ///< for triangles, normals and spawn
 
   /// Closest hit; of equal t the smaller face.

@@ -47,13 +47,14 @@ float round_towards(double x, double towards) {
 
 /// How far an origin must be from the triangle's plane.
 ///
-/// With u = 2^-24, e the triangle's extent and z the distance of its farthest corner from the origin
-/// along the ray's largest axis, t is computed as a distance along that axis that is off by less
-/// than 2^-24.4 z: U, V and W are off by half of `bound` each, and their sum, where it is not exact,
-/// is more than 2^26 of it. A plane d behind the origin is at least d / sqrt(3) behind it on that
-/// axis, so t is negative from d = 2^-23.6 z on; z is at most e, d and a float of the largest
-/// coordinate m, which the terms have room for, as for interpolating in doubles. The last two keep t
-/// from rounding to zero, and the plane behind an origin that went through coordinates in doubles.
+/// With u = 2^-24, e the triangle's extent and z the distance of its farthest corner from the
+/// origin along the ray's largest axis, t is computed as a distance along that axis that is off by
+/// less than 2^-24.4 z: U, V and W are off by half of `bound` each, and their sum, where it is not
+/// exact, is more than 2^26 of it. A plane d behind the origin is at least d / sqrt(3) behind it on
+/// that axis, so t is negative from d = 2^-23.6 z on; z is at most e, d and a float of the largest
+/// coordinate m, which the terms have room for, as for interpolating in doubles. The last two keep
+/// t from rounding to zero, and the plane behind an origin that went through coordinates in
+/// doubles.
 double clearance(double extent, double largest, Vec3 direction, double far) {
   const double fastest =
       std::max({std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)});

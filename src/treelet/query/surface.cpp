@@ -1,6 +1,5 @@
 #include <treelet/query/surface.h>
 
-
 #include <treelet/core/parallel.h>
 #include <treelet/query/spawn.h>
 #include <treelet/traverse/face_filter.h>
@@ -42,18 +41,17 @@ void spawn(const Layout& bvh, const FaceTable& table, const SpawnBatch& rays,
            std::span<Vec3> origins) {
   parallel_for(rays.size, kFacesPerTask, [&](std::size_t i) {
     const Triangle triangle = table.triangle(bvh, rays.face[i]);
-    origins[i] = is_none(triangle) ? triangle.p0
-                                   : spawn_origin(triangle, rays.u[i], rays.v[i],
-                                                  rays.directions[i], rays.far);
+    origins[i] = is_none(triangle)
+                     ? triangle.p0
+                     : spawn_origin(triangle, rays.u[i], rays.v[i], rays.directions[i], rays.far);
   });
 }
 
-#define TREELET_INSTANTIATE(Layout)                                                      \
-  template void find_triangles(const Layout&, const FaceTable&,                          \
-                               std::span<const std::int32_t>, std::span<Triangle>);      \
-  template void find_normals(const Layout&, const FaceTable&,                            \
-                             std::span<const std::int32_t>, const PerRay<Vec3>&,         \
-                             std::span<Vec3>);                                           \
+#define TREELET_INSTANTIATE(Layout)                                                            \
+  template void find_triangles(const Layout&, const FaceTable&, std::span<const std::int32_t>, \
+                               std::span<Triangle>);                                           \
+  template void find_normals(const Layout&, const FaceTable&, std::span<const std::int32_t>,   \
+                             const PerRay<Vec3>&, std::span<Vec3>);                            \
   template void spawn(const Layout&, const FaceTable&, const SpawnBatch&, std::span<Vec3>);
 TREELET_INSTANTIATE(Bvh2)
 TREELET_INSTANTIATE(Bvh8)

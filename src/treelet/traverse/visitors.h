@@ -13,7 +13,7 @@
 //     float t_limit()                   no hit beyond this t matters any more
 //     bool visit(face, triangle_hit)    takes a hit of the ray's line; true ends the traversal
 //     void count_node(), count_triangles(n)
-//     bool sees(face, triangle)         if it has one: whether a triangle that is met is there at all
+//     bool sees(face, triangle)         optional: whether a triangle that is met is there at all
 
 namespace treelet {
 
