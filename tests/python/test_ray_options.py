@@ -128,3 +128,24 @@ def test_bad_options_say_what_is_wrong(ring, rays):
         ring.intersect_all(*rays, face_mask=[True, False, True])
     with pytest.raises(TypeError, match="face_mask must hold booleans"):
         ring.intersect(*rays, face_mask=np.arange(4800))
+
+
+@pytest.mark.parametrize(
+    ("option", "advice"),
+    [
+        ({"active": [True]}, "active is not there on CUDA devices yet: give the rays that are off a t_max"),
+        ({"face_mask": [True]}, r"face_mask is not .* a copy of the tree on the host, bvh.to\('cpu'\)"),
+        ({"cull": "back"}, "cull is not there on CUDA devices yet"),
+        ({"out": ()}, "out is not there on CUDA devices yet: copy the answer"),
+    ],
+)
+@pytest.mark.parametrize("query", [treelet.DeviceBvh.intersect, treelet.DeviceBvh.occluded])
+def test_trees_on_devices_say_what_to_do_instead(query, option, advice):
+    with pytest.raises(NotImplementedError, match=advice):
+        query(None, [0, 0, 1], DOWN, **option)
+
+
+def test_a_limit_below_zero_does_on_devices_what_active_does(ring, rays):
+    active = np.random.default_rng(9).random(rays[0].shape[:-1]) < 0.5
+    off = ring.intersect(*rays, 0, np.where(active, np.inf, -np.inf))
+    np.testing.assert_array_equal(off.face, ring.intersect(*rays, active=active).face)

@@ -6,15 +6,15 @@ namespace treelet {
 namespace baseline {
 Bvh8Tracer bvh8_tracer();
 Bvh8Tracer filtered_bvh8_tracer();
-}
+}  // namespace baseline
 namespace avx2 {
 Bvh8Tracer bvh8_tracer();
 Bvh8Tracer filtered_bvh8_tracer();
-}
+}  // namespace avx2
 namespace avx512 {
 Bvh8Tracer bvh8_tracer();
 Bvh8Tracer filtered_bvh8_tracer();
-}
+}  // namespace avx512
 
 Bvh8Tracer bvh8_tracer(Isa isa) {
   switch (isa) {
