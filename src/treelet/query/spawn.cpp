@@ -25,7 +25,7 @@ Coordinates cross_edges(const Triangle& triangle) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t next = (i + 1) % 3, after = (i + 2) % 3;
     const double left = e[next] * f[after], right = e[after] * f[next];
-    normal[i] = left - right;
+    normal[i] = left - right + 0.0;  // -0 to +0
     const double terms = std::fabs(left) + std::fabs(right);
     if (terms == 0.0 || std::fabs(normal[i]) > 0x1p-30 * terms) continue;
     const Vec3 axis{float(i == 0), float(i == 1), float(i == 2)};

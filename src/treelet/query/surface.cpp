@@ -32,7 +32,7 @@ void find_normals(const Layout& bvh, const FaceTable& table, std::span<const std
     }
     const Vec3 normal = unit_normal(triangle);
     const bool is_turned = facing.first != nullptr && side_of(facing[i], triangle) > 0;
-    normals[i] = is_turned ? Vec3{-normal.x, -normal.y, -normal.z} : normal;
+    normals[i] = is_turned ? Vec3{0, 0, 0} - normal : normal;
   });
 }
 
