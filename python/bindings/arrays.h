@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include <nanobind/nanobind.h>
@@ -19,6 +21,11 @@ using FaceArray = nanobind::ndarray<const std::uint32_t, nanobind::shape<-1, 3>,
 using FloatArray =
     nanobind::ndarray<const float, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 
+using FlagArray =
+    nanobind::ndarray<const bool, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
+using FaceNumbers = nanobind::ndarray<const std::int32_t, nanobind::ndim<1>, nanobind::c_contig,
+                                      nanobind::device::cpu>;
+
 template <class T>
 using NumpyArray = nanobind::ndarray<nanobind::numpy, T>;
 
@@ -35,4 +42,46 @@ NumpyArray<T> as_numpy(treelet::Array<T>&& array) {
                           [](void* p) noexcept { delete static_cast<treelet::Array<T>*>(p); });
   const std::size_t size = kept->size();
   return NumpyArray<T>(kept->data(), {size}, owner);
+}
+
+/// Memory for answers: the caller's, a row of values that the Python layer has checked, or new.
+template <class T>
+class Answers {
+ public:
+  explicit Answers(std::size_t size, nanobind::handle given = nanobind::none()) : size_(size) {
+    if (given.is_none()) {
+      own_ = treelet::Array<T>(size);
+      data_ = own_.data();
+      return;
+    }
+    const auto array = nanobind::cast<GivenArray>(given, false);
+    if (array.shape(0) != size) throw nanobind::value_error("no room for the answers");
+    data_ = array.data();
+    given_ = nanobind::borrow(given);
+  }
+
+  std::size_t size() const { return size_; }
+  T* data() { return data_; }
+  std::span<T> span() { return {data_, size_}; }
+  T& operator[](std::size_t i) { return data_[i]; }
+
+  /// To be asked for once.
+  NumpyArray<T> to_numpy() {
+    if (given_.is_valid()) return NumpyArray<T>(data_, {size_}, given_);
+    return as_numpy(std::move(own_));
+  }
+
+ private:
+  using GivenArray =
+      nanobind::ndarray<T, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
+
+  std::size_t size_;
+  treelet::Array<T> own_;
+  T* data_;
+  nanobind::object given_;
+};
+
+/// One of several arrays that the caller gave, or none.
+inline nanobind::object part_of(nanobind::handle given, std::size_t i) {
+  return given.is_none() ? nanobind::none() : nanobind::object(given[i]);
 }

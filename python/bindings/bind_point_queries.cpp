@@ -8,7 +8,6 @@
 
 namespace nb = nanobind;
 using namespace nb::literals;
-using treelet::Array;
 
 namespace {
 
@@ -26,58 +25,55 @@ treelet::PointBatch as_spheres(std::size_t count, const Vec3Array& points,
   return batch;
 }
 
-/// An array of three floats a point.
-NumpyArray<float> as_numpy_vectors(Array<treelet::Vec3>&& array) {
-  auto* kept = new Array<treelet::Vec3>(std::move(array));
-  nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<Array<treelet::Vec3>*>(p); });
-  return NumpyArray<float>(kept->data(), {kept->size(), 3}, owner);
-}
-
 nb::tuple closest_point(const treelet::Bvh& bvh, std::size_t count, const Vec3Array& points,
-                        const FloatArray& max_distance) {
+                        const FloatArray& max_distance, nb::handle given) {
   const treelet::PointBatch batch = as_spheres(count, points, max_distance);
-  Array<treelet::Vec3> point(count);
-  Array<float> distance(count), u(count), v(count);
-  Array<std::int32_t> face(count);
+  Answers<float> point(3 * count, part_of(given, 0)), distance(count, part_of(given, 1));
+  Answers<std::int32_t> face(count, part_of(given, 2));
+  Answers<float> u(count, part_of(given, 3)), v(count, part_of(given, 4));
   {
     const nb::gil_scoped_release release;
-    bvh.closest_point(batch, {point.data(), distance.data(), face.data(), u.data(), v.data()});
+    bvh.closest_point(batch, {reinterpret_cast<treelet::Vec3*>(point.data()), distance.data(),
+                              face.data(), u.data(), v.data()});
   }
-  return nb::make_tuple(as_numpy_vectors(std::move(point)), as_numpy(std::move(distance)),
-                        as_numpy(std::move(face)), as_numpy(std::move(u)), as_numpy(std::move(v)));
+  return nb::make_tuple(point.to_numpy(), distance.to_numpy(), face.to_numpy(), u.to_numpy(),
+                        v.to_numpy());
 }
 
 /// An answer a point, which find(points, answers) writes.
 template <class T, class Find>
-NumpyArray<T> answer_points(const Vec3Array& points, const Find& find) {
+NumpyArray<T> answer_points(const Vec3Array& points, nb::handle given, const Find& find) {
   const treelet::PointBatch batch = as_points(points);
-  Array<T> answers(batch.size);
+  Answers<T> answers(batch.size, given);
   {
     const nb::gil_scoped_release release;
-    find(batch, std::span<T>(answers));
+    find(batch, answers.span());
   }
-  return as_numpy(std::move(answers));
+  return answers.to_numpy();
 }
 
-NumpyArray<float> distance(const treelet::Bvh& bvh, const Vec3Array& points) {
-  return answer_points<float>(points, [&](const auto& batch, std::span<float> answers) {
+NumpyArray<float> distance(const treelet::Bvh& bvh, const Vec3Array& points, nb::handle given) {
+  return answer_points<float>(points, given, [&](const auto& batch, std::span<float> answers) {
     bvh.closest_point(batch, {.distance = answers.data()});
   });
 }
 
-NumpyArray<float> signed_distance(const treelet::Bvh& bvh, const Vec3Array& points) {
-  return answer_points<float>(points, [&](const auto& batch, std::span<float> answers) {
+NumpyArray<float> signed_distance(const treelet::Bvh& bvh, const Vec3Array& points,
+                                  nb::handle given) {
+  return answer_points<float>(points, given, [&](const auto& batch, std::span<float> answers) {
     bvh.signed_distance(batch, answers);
   });
 }
 
-NumpyArray<bool> contains(const treelet::Bvh& bvh, const Vec3Array& points) {
-  return answer_points<bool>(
-      points, [&](const auto& batch, std::span<bool> answers) { bvh.contains(batch, answers); });
+NumpyArray<bool> contains(const treelet::Bvh& bvh, const Vec3Array& points, nb::handle given) {
+  return answer_points<bool>(points, given, [&](const auto& batch, std::span<bool> answers) {
+    bvh.contains(batch, answers);
+  });
 }
 
-NumpyArray<float> winding_number(const treelet::Bvh& bvh, const Vec3Array& points, float accuracy) {
-  return answer_points<float>(points, [&](const auto& batch, std::span<float> answers) {
+NumpyArray<float> winding_number(const treelet::Bvh& bvh, const Vec3Array& points, float accuracy,
+                                 nb::handle given) {
+  return answer_points<float>(points, given, [&](const auto& batch, std::span<float> answers) {
     bvh.winding_number(batch, accuracy, answers);
   });
 }
@@ -113,11 +109,13 @@ nb::tuple overlap_spheres(const treelet::Bvh& bvh, std::size_t count, const Vec3
 
 void bind_point_queries(nb::module_& module) {
   module.def("closest_point", closest_point, "bvh"_a, "count"_a, "points"_a.noconvert(),
-             "max_distance"_a.noconvert());
-  module.def("distance", distance, "bvh"_a, "points"_a.noconvert());
-  module.def("signed_distance", signed_distance, "bvh"_a, "points"_a.noconvert());
-  module.def("contains", contains, "bvh"_a, "points"_a.noconvert());
-  module.def("winding_number", winding_number, "bvh"_a, "points"_a.noconvert(), "accuracy"_a);
+             "max_distance"_a.noconvert(), "out"_a.none() = nb::none());
+  module.def("distance", distance, "bvh"_a, "points"_a.noconvert(), "out"_a.none() = nb::none());
+  module.def("signed_distance", signed_distance, "bvh"_a, "points"_a.noconvert(),
+             "out"_a.none() = nb::none());
+  module.def("contains", contains, "bvh"_a, "points"_a.noconvert(), "out"_a.none() = nb::none());
+  module.def("winding_number", winding_number, "bvh"_a, "points"_a.noconvert(), "accuracy"_a,
+             "out"_a.none() = nb::none());
   module.def("overlap_boxes", overlap_boxes, "bvh"_a, "count"_a, "lower"_a.noconvert(),
              "upper"_a.noconvert());
   module.def("overlap_spheres", overlap_spheres, "bvh"_a, "count"_a, "centers"_a.noconvert(),

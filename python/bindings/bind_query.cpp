@@ -1,5 +1,7 @@
 #include <span>
 
+#include <nanobind/stl/optional.h>
+
 #include <treelet/core/parallel.h>
 #include <treelet/pipeline/bvh.h>
 #include <treelet/query/brute_force.h>
@@ -16,10 +18,10 @@ namespace {
 
 nb::tuple intersect(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& origins,
                     const Vec3Array& directions, const FloatArray& t_min, const FloatArray& t_max,
-                    bool reorder, std::size_t row) {
-  treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+                    bool reorder, std::size_t row, const RayFilter* filter, nb::handle given) {
+  treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max, filter);
   batch.row = row;
-  HostHits hits(rays);
+  HostHits hits(rays, given);
   {
     const nb::gil_scoped_release release;
     const treelet::HitArrays out = hits.arrays();
@@ -33,25 +35,26 @@ nb::tuple intersect(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& 
 
 NumpyArray<bool> occluded(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& origins,
                           const Vec3Array& directions, const FloatArray& t_min,
-                          const FloatArray& t_max, bool reorder, std::size_t row) {
-  treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+                          const FloatArray& t_max, bool reorder, std::size_t row,
+                          const RayFilter* filter, nb::handle given) {
+  treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max, filter);
   batch.row = row;
-  Array<bool> occluded(rays);
+  Answers<bool> occluded(rays, given);
   {
     const nb::gil_scoped_release release;
-    const std::span<bool> out = occluded;
+    const std::span<bool> out = occluded.span();
     treelet::trace_in_order(as_order(reorder), bvh.bounds(), batch,
                             [&](const treelet::RayBatch& part, std::size_t first) {
                               bvh.find_occluded(part, out.subspan(first, part.size));
                             });
   }
-  return as_numpy(std::move(occluded));
+  return occluded.to_numpy();
 }
 
 nb::tuple traversal_cost(const treelet::Bvh& bvh, std::size_t rays, const Vec3Array& origins,
                          const Vec3Array& directions, const FloatArray& t_min,
-                         const FloatArray& t_max, bool reorder) {
-  const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+                         const FloatArray& t_max, bool reorder, const RayFilter* filter) {
+  const treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max, filter);
   Array<std::uint32_t> nodes(rays), triangles(rays);
   {
     const nb::gil_scoped_release release;
@@ -89,15 +92,19 @@ nb::tuple intersect_brute_force(const Vec3Array& vertices, const FaceArray& face
 }  // namespace
 
 void bind_query(nb::module_& module) {
+  nb::class_<RayFilter>(module, "RayFilter")
+      .def(nb::init<std::optional<FlagArray>, std::optional<FlagArray>, std::uint8_t>(),
+           "active"_a.none(), "face_mask"_a.none(), "cull"_a);
   // Methods of Bvh, as functions: the class belongs to the pipeline.
   module.def("intersect", intersect, "bvh"_a, "rays"_a, "origins"_a.noconvert(),
              "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a,
-             "row"_a);
+             "row"_a, "filter"_a.none() = nb::none(), "out"_a.none() = nb::none());
   module.def("occluded", occluded, "bvh"_a, "rays"_a, "origins"_a.noconvert(),
              "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a,
-             "row"_a);
+             "row"_a, "filter"_a.none() = nb::none(), "out"_a.none() = nb::none());
   module.def("traversal_cost", traversal_cost, "bvh"_a, "rays"_a, "origins"_a.noconvert(),
-             "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a);
+             "directions"_a.noconvert(), "t_min"_a.noconvert(), "t_max"_a.noconvert(), "reorder"_a,
+             "filter"_a.none() = nb::none());
   module.def("intersect_brute_force", intersect_brute_force, "vertices"_a.noconvert(),
              "faces"_a.noconvert(), "rays"_a, "origins"_a.noconvert(), "directions"_a.noconvert(),
              "t_min"_a.noconvert(), "t_max"_a.noconvert());

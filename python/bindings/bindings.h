@@ -13,3 +13,4 @@ void bind_hit_lists(nanobind::module_& module);
 void bind_pipeline(nanobind::module_& module);
 void bind_point_queries(nanobind::module_& module);
 void bind_query(nanobind::module_& module);
+void bind_surface(nanobind::module_& module);

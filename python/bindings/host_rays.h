@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include <treelet/query/intersect.h>
@@ -31,20 +32,46 @@ inline treelet::RayBatch as_batch(std::size_t rays, const Vec3Array& origins,
   return batch;
 }
 
+/// Which rays are traced, and which faces they can hit; keeps the arrays that a call reads.
+struct RayFilter {
+  std::optional<FlagArray> active, face_mask;
+  treelet::Cull cull;
+
+  /// `cull` by its number.
+  RayFilter(std::optional<FlagArray> rays, std::optional<FlagArray> faces, std::uint8_t number)
+      : active(std::move(rays)), face_mask(std::move(faces)), cull(treelet::Cull(number)) {}
+
+  void apply(treelet::RayBatch& batch) const {
+    if (active) batch.active = per_ray<bool>(*active, batch.size);
+    batch.filter = {cull, face_mask ? face_mask->data() : nullptr};
+  }
+};
+
+inline treelet::RayBatch as_batch(std::size_t rays, const Vec3Array& origins,
+                                  const Vec3Array& directions, const FloatArray& t_min,
+                                  const FloatArray& t_max, const RayFilter* filter) {
+  treelet::RayBatch batch = as_batch(rays, origins, directions, t_min, t_max);
+  if (filter != nullptr) filter->apply(batch);
+  return batch;
+}
+
 inline treelet::RayOrder as_order(bool reorder) {
   return reorder ? treelet::RayOrder::coherent : treelet::RayOrder::given;
 }
 
-/// Four arrays that become t, face, u, v.
+/// Four arrays that become t, face, u, v, or that the caller gave for them.
 struct HostHits {
-  treelet::Array<float> t;
-  treelet::Array<std::int32_t> face;
-  treelet::Array<float> u, v;
+  Answers<float> t;
+  Answers<std::int32_t> face;
+  Answers<float> u, v;
 
-  explicit HostHits(std::size_t size) : t(size), face(size), u(size), v(size) {}
+  explicit HostHits(std::size_t size, nanobind::handle given = nanobind::none())
+      : t(size, part_of(given, 0)),
+        face(size, part_of(given, 1)),
+        u(size, part_of(given, 2)),
+        v(size, part_of(given, 3)) {}
   treelet::HitArrays arrays() { return {t.data(), face.data(), u.data(), v.data()}; }
   nanobind::tuple to_python() {
-    return nanobind::make_tuple(as_numpy(std::move(t)), as_numpy(std::move(face)),
-                                as_numpy(std::move(u)), as_numpy(std::move(v)));
+    return nanobind::make_tuple(t.to_numpy(), face.to_numpy(), u.to_numpy(), v.to_numpy());
   }
 };

@@ -21,6 +21,11 @@ class CompiledTree:
     _offset: Offset
     _updates: int  # how many there were
 
+    @property
+    def face_count(self) -> int:
+        """Faces that were given, left-out ones included."""
+        raise NotImplementedError
+
     def _ask(
         self,
         query: Callable[Concatenate[CompiledBvh, _Arguments], _Answer],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 from ._answers import Hits, Work
 from ._core import DeviceBvh as CompiledDeviceBvh
@@ -23,6 +23,21 @@ _HITS = ("float32", "int32", "float32", "float32")
 _COUNTS = ("int32", "int32")  # torch has no arithmetic on uint32
 
 
+_INSTEAD = {
+    "active": "give the rays that are off a t_max of -inf",
+    "face_mask": "query a copy of the tree on the host, bvh.to('cpu')",
+    "cull": "query a copy of the tree on the host, bvh.to('cpu')",
+    "out": "copy the answer",
+}
+
+
+def refuse_options(**options: Any) -> None:
+    """Raise an error that says what to do instead of an option that devices do not have yet."""
+    for name, value in options.items():
+        if value is not None and not (isinstance(value, str) and value == "none"):
+            raise NotImplementedError(f"{name} is not there on CUDA devices yet: {_INSTEAD[name]}")
+
+
 class DeviceRayQueries:
     """Closest hit, any hit, and what finding them costs. Rays may lie on the device or on the host."""
 
@@ -36,6 +51,10 @@ class DeviceRayQueries:
         t_min: Any = 0.0,
         t_max: Any = math.inf,
         *,
+        active: None = None,
+        face_mask: None = None,
+        cull: Literal["none"] = "none",
+        out: None = None,
         reorder: bool = False,
         stream: Any = None,
     ) -> Hits:
@@ -51,6 +70,10 @@ class DeviceRayQueries:
                 device memory: every array has one row for all rays, or a row for each.
             t_min: (...) float32 or a number.
             t_max: (...) float32 or a number, included.
+            active: not on devices yet, as the three that follow: give rays that are off a t_max of -inf.
+            face_mask: query a copy of the tree on the host, `bvh.to("cpu")`.
+            cull: ...
+            out: ...
             reorder: sort the rays for coherence before they are traced. Pays for incoherent batches of a
                 million and more; answers stay in the order of the rays. Takes 16 bytes a ray, of 16 million
                 rays at most, on the device.
@@ -64,10 +87,12 @@ class DeviceRayQueries:
         Raises:
             ValueError: where shapes do not fit each other or an array is not contiguous, and for arrays on
                 the device where the tree has an `offset`: see `local`.
+            NotImplementedError: for `active`, `face_mask`, `cull` and `out`.
             TypeError: where some arrays lie on the host and some on the device, or one has another dtype
                 there; for a stream given with rays on the host, or of another kind.
             RuntimeError: where CUDA fails.
         """
+        refuse_options(active=active, face_mask=face_mask, cull=cull, out=out)
         queries = self._core.intersect, self._core.stream_intersect
         return Hits(*self._trace(queries, (origins, directions, t_min, t_max), reorder, stream, _HITS))
 
@@ -78,6 +103,10 @@ class DeviceRayQueries:
         t_min: Any = 0.0,
         t_max: Any = math.inf,
         *,
+        active: None = None,
+        face_mask: None = None,
+        cull: Literal["none"] = "none",
+        out: None = None,
         reorder: bool = False,
         stream: Any = None,
     ) -> Any:
@@ -86,6 +115,7 @@ class DeviceRayQueries:
         Returns:
             bool array of the rays' shape.
         """
+        refuse_options(active=active, face_mask=face_mask, cull=cull, out=out)
         queries = self._core.occluded, self._core.stream_occluded
         return self._trace(queries, (origins, directions, t_min, t_max), reorder, stream, ("bool",))[0]
 

@@ -11,7 +11,10 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._compiled_tree import CompiledTree
+from ._core import RayFilter
 from ._inputs import FloatArray, Rays, as_flag, as_rays
+from ._outputs import Output, as_output
+from ._ray_options import Cull, Masks, as_filter, as_masks
 
 _NO_LIMIT = 2**63 - 1
 _RAYS_PER_COUNT = 2**18  # rays whose hits are counted at a time before they are listed
@@ -69,6 +72,9 @@ class HitLists(CompiledTree):
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
         *,
+        active: ArrayLike | None = None,
+        face_mask: ArrayLike | None = None,
+        cull: Cull = "none",
         limit: int | None = None,
         reorder: bool = False,
     ) -> AllHits:
@@ -80,6 +86,11 @@ class HitLists(CompiledTree):
             t_min: (...) or scalar, included.
             t_max: (...) or scalar, included. Hits beyond the largest float32 have t = inf and belong to rays
                 whose t_max is infinite.
+            active: (...) bool, which rays are traced; the others have no hits. By default all.
+            face_mask: (faces,) bool, which faces count; the others are as if they were not there. By default
+                all.
+            cull: "back" leaves out the faces whose back a ray sees, "front" those whose front it sees: the
+                side from which the corners turn counter-clockwise. Decided exactly.
             limit: keep the first so many hits of each ray; by default all.
             reorder: sort the rays for coherence before they are traced, as for `intersect`; answers stay in
                 the order of the rays.
@@ -95,7 +106,8 @@ class HitLists(CompiledTree):
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
         most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
-        return self._list_hits(rays, most, as_flag(reorder, "reorder"))
+        shown = as_filter(rays, active, face_mask, cull, self.face_count)
+        return self._list_hits(rays, most, as_flag(reorder, "reorder"), shown)
 
     def count_hits(
         self,
@@ -104,17 +116,23 @@ class HitLists(CompiledTree):
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
         *,
+        active: ArrayLike | None = None,
+        face_mask: ArrayLike | None = None,
+        cull: Cull = "none",
         reorder: bool = False,
+        out: CountArray | None = None,
     ) -> CountArray:
         """Count the hits that `intersect_all` lists. Arguments and errors as there.
 
         Returns:
-            int64 array of the broadcast leading shape. Takes no memory but that, and a little less time than
-            listing the hits.
+            int64 array of the broadcast leading shape, which `out` may be. Takes no memory but that, and a
+            little less time than listing the hits.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        counts = self._ask(_core.count_hits, *rays.arguments, as_flag(reorder, "reorder"))
-        return counts.reshape(rays.shape)
+        shown = as_filter(rays, active, face_mask, cull, self.face_count)
+        room = as_output(out, Output("out", rays.shape, np.int64))
+        counts = self._ask(_core.count_hits, *rays.arguments, as_flag(reorder, "reorder"), shown, room)
+        return counts.reshape(rays.shape) if out is None else out
 
     def stream_hits(
         self,
@@ -123,6 +141,9 @@ class HitLists(CompiledTree):
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
         *,
+        active: ArrayLike | None = None,
+        face_mask: ArrayLike | None = None,
+        cull: Cull = "none",
         limit: int | None = None,
         max_hits: int = 1_000_000,
         reorder: bool = False,
@@ -134,6 +155,9 @@ class HitLists(CompiledTree):
             directions: ...
             t_min: ...
             t_max: ...
+            active: ...
+            face_mask: ...
+            cull: ...
             limit: ...
             max_hits: of a chunk; a single ray that has more is a chunk of its own.
             reorder: ...
@@ -145,25 +169,30 @@ class HitLists(CompiledTree):
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
         most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
-        return self._chunks(rays, most, _as_count(max_hits, "max_hits"), as_flag(reorder, "reorder"))
+        options = as_masks(rays, active, face_mask, cull, self.face_count)
+        return self._chunks(rays, most, _as_count(max_hits, "max_hits"), as_flag(reorder, "reorder"), options)
 
-    def _chunks(self, rays: Rays, limit: int, max_hits: int, reorder: bool) -> Iterator[HitChunk]:
+    def _chunks(
+        self, rays: Rays, limit: int, max_hits: int, reorder: bool, masks: Masks
+    ) -> Iterator[HitChunk]:
         count, updates = rays.arguments[0], self._updates
         for first in range(0, count, _RAYS_PER_COUNT):
-            block = _part(rays, first, min(first + _RAYS_PER_COUNT, count))
-            counts = self._ask(_core.count_hits, *block.arguments, reorder)
+            last = min(first + _RAYS_PER_COUNT, count)
+            block = _part(rays, first, last)
+            counts = self._ask(_core.count_hits, *block.arguments, reorder, masks.part(first, last))
             ends = np.cumsum(np.minimum(counts, limit))
             begin = done = 0
             while begin < len(ends):
                 end = max(int(np.searchsorted(ends, done + max_hits, side="right")), begin + 1)
-                hits = self._list_hits(_part(block, begin, end), limit, reorder)
+                shown = masks.part(first + begin, first + end)
+                hits = self._list_hits(_part(block, begin, end), limit, reorder, shown)
                 if self._updates != updates:
                     raise RuntimeError("the tree was updated while its hits were streamed: begin again")
                 yield HitChunk(first + begin, hits)
                 begin, done = end, int(ends[end - 1])
 
-    def _list_hits(self, rays: Rays, limit: int, reorder: bool) -> AllHits:
-        return AllHits(*self._ask(_core.intersect_all, *rays.arguments, limit, reorder))
+    def _list_hits(self, rays: Rays, limit: int, reorder: bool, shown: RayFilter | None) -> AllHits:
+        return AllHits(*self._ask(_core.intersect_all, *rays.arguments, limit, reorder, shown))
 
 
 def _part(rays: Rays, begin: int, end: int) -> Rays:

@@ -11,6 +11,7 @@ from . import _core
 from ._compiled_tree import CompiledTree
 from ._inputs import FloatArray, as_boxes, as_points, as_spheres
 from ._offset import ORIGIN
+from ._outputs import Output, as_output, as_outputs
 
 
 class ClosestPoints(NamedTuple):
@@ -43,10 +44,13 @@ class Overlaps(NamedTuple):
 class PointQueries(CompiledTree):
     """Nearest points, inside and outside, and overlaps.
 
-    Points are rounded to float32, relative to `offset`. All take any leading shape.
+    Points are rounded to float32, relative to `offset`. All take any leading shape. `out` is an array to
+    write the answers to and to return, as for `Bvh.intersect`.
     """
 
-    def closest_point(self, points: ArrayLike, max_distance: ArrayLike = np.inf) -> ClosestPoints:
+    def closest_point(
+        self, points: ArrayLike, max_distance: ArrayLike = np.inf, *, out: ClosestPoints | None = None
+    ) -> ClosestPoints:
         """Find the point of the mesh that is nearest to each point.
 
         Of equal distances the smaller face. Distances are computed in float64 from the float32 triangles, and
@@ -56,9 +60,11 @@ class PointQueries(CompiledTree):
             points: (..., 3) float.
             max_distance: (...) or scalar, in the mesh's units: points of the mesh that are farther do not
                 count. A small one saves time.
+            out: arrays to write the answers to, as for `Bvh.intersect`.
 
         Returns:
-            ClosestPoints(point, distance, face, u, v), arrays of the broadcast leading shape. There is no
+            ClosestPoints(point, distance, face, u, v), arrays of the broadcast leading shape; `out` itself
+            where it is given. There is no
             nearest point, so NaN, inf and face -1, in an empty mesh, for a point with NaN or infinity, and
             for a NaN or negative max_distance.
 
@@ -68,26 +74,45 @@ class PointQueries(CompiledTree):
             RuntimeError: while another thread updates the tree.
         """
         balls = as_spheres(points, max_distance, ("points", "max_distance"), self._offset)
-        point, *rest = self._ask(_core.closest_point, *balls.arguments)
+        room = as_outputs(out, self._closest_outputs(balls.shape))
+        local = None if self._offset == ORIGIN or room is None else room[0]
+        if room is not None and local is not None:
+            room[0] = None  # float64, for which the answers in float32 are made first
+        point, *rest = self._ask(_core.closest_point, *balls.arguments, room)
         place = point.reshape(*balls.shape, 3)
         if self._offset != ORIGIN:
-            place = place + np.array(self._offset)
-        return ClosestPoints(place, *(array.reshape(balls.shape) for array in rest))
+            given = None if local is None else local.reshape(place.shape)
+            place = np.add(place, np.array(self._offset), out=given)
+        return ClosestPoints(place, *(array.reshape(balls.shape) for array in rest)) if out is None else out
 
-    def distance(self, points: ArrayLike) -> FloatArray:
+    def _closest_outputs(self, shape: tuple[int, ...]) -> list[Output]:
+        point = np.float32 if self._offset == ORIGIN else np.float64
+        rest = ("distance", np.float32), ("face", np.int32), ("u", np.float32), ("v", np.float32)
+        return [
+            Output("out.point", (*shape, 3), point),
+            *(Output(f"out.{name}", shape, dtype) for name, dtype in rest),
+        ]
+
+    def distance(self, points: ArrayLike, *, out: FloatArray | None = None) -> FloatArray:
         """The distance of each point (..., 3) from the mesh, float32 (...). As `closest_point`; faster."""
         given = as_points(points, "points", self._offset)
-        return self._ask(_core.distance, given.array).reshape(given.shape)
+        room = as_output(out, Output("out", given.shape, np.float32))
+        answers = self._ask(_core.distance, given.array, room).reshape(given.shape)
+        return answers if out is None else out
 
-    def signed_distance(self, points: ArrayLike) -> FloatArray:
+    def signed_distance(self, points: ArrayLike, *, out: FloatArray | None = None) -> FloatArray:
         """`distance`, negative where the mesh `contains` the point, float32 (...).
 
         The sign is exact for closed meshes. For others take that of `winding_number(points) - 0.5`.
         """
         given = as_points(points, "points", self._offset)
-        return self._ask(_core.signed_distance, given.array).reshape(given.shape)
+        room = as_output(out, Output("out", given.shape, np.float32))
+        answers = self._ask(_core.signed_distance, given.array, room).reshape(given.shape)
+        return answers if out is None else out
 
-    def contains(self, points: ArrayLike) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    def contains(
+        self, points: ArrayLike, *, out: np.ndarray[tuple[int, ...], np.dtype[np.bool_]] | None = None
+    ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
         """Whether each point (..., 3) is inside of the mesh, bool (...).
 
         Exact for closed meshes, whatever way their faces are turned: a point is inside if a ray from it
@@ -97,9 +122,13 @@ class PointQueries(CompiledTree):
         for points with NaN or infinity.
         """
         given = as_points(points, "points", self._offset)
-        return self._ask(_core.contains, given.array).reshape(given.shape)
+        room = as_output(out, Output("out", given.shape, np.bool_))
+        answers = self._ask(_core.contains, given.array, room).reshape(given.shape)
+        return answers if out is None else out
 
-    def winding_number(self, points: ArrayLike, accuracy: float = 2.0) -> FloatArray:
+    def winding_number(
+        self, points: ArrayLike, accuracy: float = 2.0, *, out: FloatArray | None = None
+    ) -> FloatArray:
         """How often the mesh winds around each point (..., 3), float32 (...).
 
         For a closed mesh with counterclockwise faces 1 inside and 0 outside; for one with holes or
@@ -120,7 +149,9 @@ class PointQueries(CompiledTree):
         if not accuracy >= 0:
             raise ValueError(f"accuracy must be a number from 0 to infinity, not {accuracy!r}")
         given = as_points(points, "points", self._offset)
-        return self._ask(_core.winding_number, given.array, float(accuracy)).reshape(given.shape)
+        room = as_output(out, Output("out", given.shape, np.float32))
+        answers = self._ask(_core.winding_number, given.array, float(accuracy), room)
+        return answers.reshape(given.shape) if out is None else out
 
     def overlap_boxes(self, lower: ArrayLike, upper: ArrayLike) -> Overlaps:
         """List the faces that have a point in common with each box; touching counts.

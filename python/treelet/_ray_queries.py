@@ -9,6 +9,10 @@ from . import _core
 from ._answers import Hits, Work
 from ._compiled_tree import CompiledTree
 from ._inputs import as_flag, as_rays
+from ._outputs import Output, as_output, as_outputs
+from ._ray_options import Cull, as_filter
+
+_HITS = ("out.t", np.float32), ("out.face", np.int32), ("out.u", np.float32), ("out.v", np.float32)
 
 
 class RayQueries(CompiledTree):
@@ -21,7 +25,11 @@ class RayQueries(CompiledTree):
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
         *,
+        active: ArrayLike | None = None,
+        face_mask: ArrayLike | None = None,
+        cull: Cull = "none",
         reorder: bool = False,
+        out: Hits | None = None,
     ) -> Hits:
         """Find the closest hit of each ray: the smallest t in [t_min, t_max], of equal t the smaller face.
 
@@ -36,20 +44,34 @@ class RayQueries(CompiledTree):
             directions: (..., 3) float, of any length that float32 can hold but zero; t counts in it.
             t_min: (...) or scalar.
             t_max: (...) or scalar, included.
+            active: (...) bool, which rays are traced; the others miss, and take next to no time. Must
+                fit the rays' shape. By default all.
+            face_mask: (faces,) bool, which faces rays can hit; they pass through the others, as through
+                glass, to what lies behind. By default all.
+            cull: "back" lets rays pass through faces whose back they see, "front" through those whose front
+                they see: the side from which the corners turn counter-clockwise. Decided exactly.
             reorder: sort the rays for coherence before they are traced. Pays for incoherent batches of a
                 million and more, in large scenes; answers stay in the order of the rays.
+            out: Hits of arrays to write the answers to, as an earlier call returned them: numpy arrays or
+                tensors of torch on the CPU, of the broadcast leading shape, contiguous, that overlap
+                neither each other nor the rays.
 
         Returns:
-            Hits(t, face, u, v), arrays of the broadcast leading shape.
+            Hits(t, face, u, v), arrays of the broadcast leading shape; `out` itself where it is given.
 
         Raises:
-            ValueError: where the shapes do not fit each other.
-            TypeError: where an array does not hold numbers, or lies on a CUDA device.
+            ValueError: where the shapes do not fit each other, `out` is not contiguous, or `cull` is another
+                word.
+            TypeError: where an array does not hold numbers, a mask no booleans, or `out` not the answer's
+                dtypes, and where one lies on a CUDA device.
             RuntimeError: while another thread updates the tree.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        hits = self._ask(_core.intersect, *rays.arguments, as_flag(reorder, "reorder"), rays.row)
-        return Hits(*(array.reshape(rays.shape) for array in hits))
+        shown = as_filter(rays, active, face_mask, cull, self.face_count)
+        room = as_outputs(out, [Output(name, rays.shape, dtype) for name, dtype in _HITS])
+        order = as_flag(reorder, "reorder")
+        hits = self._ask(_core.intersect, *rays.arguments, order, rays.row, shown, room)
+        return Hits(*(array.reshape(rays.shape) for array in hits)) if out is None else out
 
     def occluded(
         self,
@@ -58,16 +80,24 @@ class RayQueries(CompiledTree):
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
         *,
+        active: ArrayLike | None = None,
+        face_mask: ArrayLike | None = None,
+        cull: Cull = "none",
         reorder: bool = False,
+        out: np.ndarray[tuple[int, ...], np.dtype[np.bool_]] | None = None,
     ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
         """Whether each ray hits anything in [t_min, t_max]. Arguments and errors as `intersect`.
 
         Returns:
-            bool array of the broadcast leading shape. Faster than `intersect`: the first hit found ends it.
+            bool array of the broadcast leading shape, which `out` may be. Faster than `intersect`: the first
+            hit found ends it.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        occluded = self._ask(_core.occluded, *rays.arguments, as_flag(reorder, "reorder"), rays.row)
-        return occluded.reshape(rays.shape)
+        shown = as_filter(rays, active, face_mask, cull, self.face_count)
+        room = as_output(out, Output("out", rays.shape, np.bool_))
+        order = as_flag(reorder, "reorder")
+        occluded = self._ask(_core.occluded, *rays.arguments, order, rays.row, shown, room)
+        return occluded.reshape(rays.shape) if out is None else out
 
     def traversal_cost(
         self,
@@ -76,6 +106,9 @@ class RayQueries(CompiledTree):
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
         *,
+        active: ArrayLike | None = None,
+        face_mask: ArrayLike | None = None,
+        cull: Cull = "none",
         reorder: bool = False,
     ) -> Work:
         """Count the work that `intersect` does for each ray. Arguments and errors as `intersect`.
@@ -87,5 +120,6 @@ class RayQueries(CompiledTree):
             Work(nodes, triangles), uint32 arrays of the broadcast leading shape.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        counts = self._ask(_core.traversal_cost, *rays.arguments, as_flag(reorder, "reorder"))
+        shown = as_filter(rays, active, face_mask, cull, self.face_count)
+        counts = self._ask(_core.traversal_cost, *rays.arguments, as_flag(reorder, "reorder"), shown)
         return Work(*(array.reshape(rays.shape) for array in counts))

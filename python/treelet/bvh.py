@@ -18,13 +18,14 @@ from ._inputs import Vertices, as_faces, as_flag, as_rays, as_recipe, as_vertice
 from ._offset import Bounds, add_offset
 from ._point_queries import PointQueries
 from ._ray_queries import RayQueries
+from ._surface import SurfaceQueries
 from .device_bvh import DeviceBvh, build_on_device, move_to_device
 from .report import Report
 
 __all__ = ["Bvh", "Hits", "Work", "build", "intersect_brute_force"]
 
 
-class Bvh(RayQueries, HitLists, PointQueries, TreeFiles):
+class Bvh(RayQueries, HitLists, PointQueries, SurfaceQueries, TreeFiles):
     """A bounding volume hierarchy over a triangle mesh, safe to query from many threads.
 
     It owns a copy of the triangles, and never changes unless it was built with `updatable=True`: then `refit`

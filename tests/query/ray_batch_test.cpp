@@ -107,5 +107,36 @@ TEST(RayBatch, WithAnOrderIsNoPicture) {
   EXPECT_EQ(list(batch, 0, 16), std::vector<std::size_t>(order.begin(), order.end()));
 }
 
+TEST(RayBatch, HasPartsThatKeepAllButTheOrder) {
+  const std::vector<Ray> rays(40);
+  const std::vector<std::uint32_t> order(40);
+  bool active[40] = {};
+  active[16] = true;
+  RayBatch batch(rays);
+  batch.order = order.data();
+  batch.row = 8;
+  batch.active = {active, 1};
+  batch.filter = {Cull::back, active};
+  const RayBatch part = batch.part(16, 20);
+  EXPECT_EQ(part.size, 20u);
+  EXPECT_EQ(part.order, nullptr);
+  EXPECT_EQ(part.row, 8u);
+  EXPECT_TRUE(part.is_active(0));
+  EXPECT_FALSE(part.is_active(1));
+  EXPECT_EQ(part.filter.cull, Cull::back);
+  EXPECT_EQ(part.filter.mask, active);
+  EXPECT_EQ(batch.part(17, 20).row, 0u);  // begins within a row
+}
+
+TEST(RayBatch, TurnsRaysThatAreNotActiveIntoMisses) {
+  const std::vector<Ray> rays(2);
+  const bool active[] = {false, true};
+  RayBatch batch(rays);
+  EXPECT_TRUE(batch.is_active(0));
+  batch.active = {active, 1};
+  EXPECT_FALSE(batch[0].t_min <= batch[0].t_max);
+  EXPECT_TRUE(batch[1].t_min <= batch[1].t_max);
+}
+
 }  // namespace
 }  // namespace treelet

@@ -105,6 +105,25 @@ Overlaps Bvh::overlap_spheres(const PointBatch& spheres) const {
                     layout);
 }
 
+void Bvh::find_triangles(std::span<const std::int32_t> of, std::span<Triangle> triangles) const {
+  const auto find = [&](const auto& bvh) {
+    treelet::find_triangles(bvh, faces.of(bvh), of, triangles);
+  };
+  std::visit(find, layout);
+}
+
+void Bvh::find_normals(std::span<const std::int32_t> of, const PerRay<Vec3>& facing,
+                       std::span<Vec3> normals) const {
+  const auto find = [&](const auto& bvh) {
+    treelet::find_normals(bvh, faces.of(bvh), of, facing, normals);
+  };
+  std::visit(find, layout);
+}
+
+void Bvh::spawn(const SpawnBatch& rays, std::span<Vec3> origins) const {
+  std::visit([&](const auto& bvh) { treelet::spawn(bvh, faces.of(bvh), rays, origins); }, layout);
+}
+
 Aabb Bvh::bounds() const {
   return std::visit([](const auto& bvh) { return bvh.bounds; }, layout);
 }

@@ -17,6 +17,7 @@
 #include <treelet/query/intersect.h>
 #include <treelet/query/lazy_moments.h>
 #include <treelet/query/overlap.h>
+#include <treelet/query/surface.h>
 #include <treelet/tree/sah.h>
 
 namespace treelet {
@@ -59,7 +60,8 @@ struct Bvh {
   SahModel sah;
   BuildReport report;
   Placement placement{};
-  LazyMoments moments{};  ///< for winding_number
+  LazyMoments moments{};    ///< for winding_number
+  Lazy<FaceTable> faces{};  ///< for triangles, normals and spawn
 
   /// Closest hit; of equal t the smaller face.
   Hit intersect(const Ray& ray) const;
@@ -93,6 +95,12 @@ struct Bvh {
   // Faces that meet boxes and balls: query/overlap.h.
   Overlaps overlap_boxes(const BoxBatch& boxes) const;
   Overlaps overlap_spheres(const PointBatch& spheres) const;
+
+  // Of faces, -1 for none: query/surface.h. The first call makes 4 bytes a face.
+  void find_triangles(std::span<const std::int32_t> faces, std::span<Triangle> triangles) const;
+  void find_normals(std::span<const std::int32_t> faces, const PerRay<Vec3>& facing,
+                    std::span<Vec3> normals) const;
+  void spawn(const SpawnBatch& rays, std::span<Vec3> origins) const;
 
   Aabb bounds() const;
   /// End-point overlap; see layout/epo.h.

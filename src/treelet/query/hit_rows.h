@@ -63,7 +63,7 @@ void show_rows(const Layout& bvh, const RayBatch& rays, std::size_t begin, std::
   Ray part[kRaysPerRowTask];
   const std::size_t count = end - begin;
   for (std::size_t k = 0; k < count; ++k) part[k] = rays[rays.ray_of(begin + k)];
-  Enumerator<Layout> enumerator(bvh, count);
+  Enumerator<Layout> enumerator(bvh, count, rays.filter);
   HitSink<Record> sink;
   HitRows<Record> rows;
   for (std::size_t done = 0; done < count;) {

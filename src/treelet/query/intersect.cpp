@@ -1,5 +1,6 @@
 #include <treelet/query/intersect.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,14 @@ void check_room(std::size_t answers, const RayBatch& rays) {
                               std::to_string(rays.size) + " rays");
 }
 
+/// Moves the numbers of active rays to the front, in their order, and returns how many there are.
+std::size_t put_active_first(const RayBatch& rays, std::span<std::size_t> numbers) {
+  if (rays.active.first == nullptr) return numbers.size();
+  const auto is_active = [&](std::size_t ray) { return rays.is_active(ray); };
+  const auto end = std::stable_partition(numbers.begin(), numbers.end(), is_active);
+  return std::size_t(end - numbers.begin());
+}
+
 /// Calls trace(tracer, rays, answers) for parts of the batch, then put(ray, answer) for each ray.
 template <class Answer, class Layout, class Trace, class Put>
 void trace_batch(const Layout& bvh, const RayBatch& rays, Trace&& trace, Put&& put) {
@@ -26,10 +35,12 @@ void trace_batch(const Layout& bvh, const RayBatch& rays, Trace&& trace, Put&& p
     Ray part[kRaysPerTask];
     Answer answers[kRaysPerTask];
     rays.list_rays(begin, end, numbers);
-    for (std::size_t k = 0; k < count; ++k) part[k] = rays[numbers[k]];
-    Tracer<Layout> tracer(bvh, count);
-    trace(tracer, std::span<const Ray>(part, count), answers);
-    for (std::size_t k = 0; k < count; ++k) put(numbers[k], answers[k]);
+    const std::size_t active = put_active_first(rays, std::span(numbers, count));
+    for (std::size_t k = 0; k < active; ++k) part[k] = rays[numbers[k]];
+    Tracer<Layout> tracer(bvh, active, rays.filter);
+    trace(tracer, std::span<const Ray>(part, active), answers);
+    for (std::size_t k = 0; k < active; ++k) put(numbers[k], answers[k]);
+    for (std::size_t k = active; k < count; ++k) put(numbers[k], Answer{});
   });
 }
 

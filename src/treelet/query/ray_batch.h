@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include <treelet/core/platform.h>
 #include <treelet/core/ray.h>
+#include <treelet/traverse/face_filter.h>
 
 namespace treelet {
 
@@ -48,6 +50,9 @@ struct RayBatch {
   /// Rays in a row of the picture that they make; 0: none. Without an order, closest and any hits
   /// are found by tiles of 4 x 4, whose rays stay closer together than those of a row.
   std::size_t row = 0;
+  /// Rays that are traced; the others miss. None given: all.
+  PerRay<bool> active;
+  FaceFilter filter;  ///< faces that the rays can hit
 
   RayBatch() = default;
   RayBatch(std::span<const Ray> rays)  // NOLINT: an array of rays is a batch
@@ -59,7 +64,12 @@ struct RayBatch {
     t_max = {&rays[0].t_max, sizeof(Ray)};
   }
 
-  Ray operator[](std::size_t i) const { return {origins[i], directions[i], t_min[i], t_max[i]}; }
+  /// One that is not active has a limit that is NaN, so that it misses wherever it is traced.
+  Ray operator[](std::size_t i) const {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    return {origins[i], directions[i], is_active(i) ? t_min[i] : nan, t_max[i]};
+  }
+  bool is_active(std::size_t i) const { return active.first == nullptr || active[i]; }
   std::size_t ray_of(std::size_t k) const { return order == nullptr ? k : order[k]; }
 
   /// Likewise by tiles: the numbers of the k-th rays to trace, for k in [begin, end).
@@ -76,14 +86,18 @@ struct RayBatch {
     }
   }
 
-  /// `count` rays from one on, in no other order than they have.
+  /// `count` rays from one on. An order is one of the whole batch, so a part is in the given one;
+  /// rows stay where the part begins with one. Answers depend on neither.
   RayBatch part(std::size_t begin, std::size_t count) const {
-    RayBatch rays;
+    RayBatch rays = *this;
     rays.size = count;
+    rays.order = nullptr;
+    if (row != 0 && begin % row != 0) rays.row = 0;
     rays.origins = origins.from(begin);
     rays.directions = directions.from(begin);
     rays.t_min = t_min.from(begin);
     rays.t_max = t_max.from(begin);
+    rays.active = active.from(begin);
     return rays;
   }
 

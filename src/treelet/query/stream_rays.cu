@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include <treelet/core/array.h>
@@ -155,6 +156,10 @@ std::size_t chunk_size(const RayBatch& rays, std::span<const AnswerArray> answer
 
 void stream_rays(const RayBatch& rays, std::span<const AnswerArray> answers,
                  const StreamOptions& options, const TraceChunk& trace) {
+  if (rays.active.first != nullptr || !rays.filter.is_open()) {
+    throw std::invalid_argument(
+        "a device traces all rays against all faces: trace masks on the CPU");
+  }
   if (rays.size == 0) return;
   const std::size_t capacity = chunk_size(rays, answers, options);
   std::optional<Slot> slots[2];

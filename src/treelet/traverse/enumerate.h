@@ -32,7 +32,9 @@ TREELET_INLINE RayFace make_record(RayFace*, std::uint32_t ray, std::uint32_t fa
 template <class Layout>
 class ScalarEnumerator {
  public:
-  explicit ScalarEnumerator(const Layout& bvh, std::size_t /*rays*/ = 1) : bvh_(bvh) {}
+  explicit ScalarEnumerator(const Layout& bvh, std::size_t /*rays*/ = 1,
+                            const FaceFilter& filter = {})
+      : bvh_(bvh), filter_(filter) {}
 
   /// Puts a record of each crossing into the sink, again and again where a split triangle lies in
   /// several leaves. Stops between rays when the sink has enough; returns how many are done.
@@ -56,6 +58,7 @@ class ScalarEnumerator {
       TriangleHit hit;
       if (!may_intersect(shear, triangle) || !cross(shear, triangle, hit)) return;
       if (!is_within_limits(ray, hit)) return;
+      if (!filter_.has(face) || !filter_.shows(ray.direction, triangle)) return;
       sink.push(make_record(static_cast<Record*>(nullptr), number, face, hit));
     };
     stack_.assign(1, 0);
@@ -93,6 +96,7 @@ class ScalarEnumerator {
   }
 
   const Layout& bvh_;
+  const FaceFilter filter_;
   std::vector<std::uint32_t> stack_;
 };
 
@@ -106,8 +110,8 @@ class Enumerator : public ScalarEnumerator<Layout> {
 template <>
 class Enumerator<Bvh8> {
  public:
-  explicit Enumerator(const Bvh8& bvh, std::size_t rays = 1)
-      : bvh_(bvh), stacks_(bvh, rays), kernels_(bvh8_enumerator(best_isa())) {}
+  explicit Enumerator(const Bvh8& bvh, std::size_t rays = 1, const FaceFilter& filter = {})
+      : bvh_(bvh, filter), stacks_(bvh, rays), kernels_(bvh8_enumerator(best_isa())) {}
 
   std::size_t run(std::span<const Ray> rays, HitSink<RayHit>& sink) {
     return run(kernels_.hits, rays, sink);

@@ -10,6 +10,7 @@
 #include <treelet/traverse/traverse_bvh8_blocks.inl>
 #include <treelet/traverse/traverse_bvh8_boxes.inl>
 #include <treelet/traverse/traverse_bvh8_exact.inl>
+#include <treelet/traverse/traverse_bvh8_filter.inl>
 #include <treelet/traverse/traverse_bvh8_ray.inl>
 
 namespace treelet::TREELET_ISA {
@@ -153,8 +154,10 @@ class Enumeration {
     for (unsigned i = 0; i < count; i += kBlocks) {
       const unsigned second = i + kBlocks <= count ? i + kBlocks - 1 : i;
       const BlockPair pair{blocks + i, blocks + second};
-      const Verdict verdict = test_triangles(ray.shear, pair, pair.used_lanes());
+      Verdict verdict = test_triangles(ray.shear, pair, pair.used_lanes());
       if (verdict.possible == 0) continue;
+      if (!bvh_.filter.is_open()) [[unlikely]]
+        drop_hidden(bvh_.filter, ray.shear, pair, verdict);
       const TriangleBlock* const tested[2] = {pair.first, pair.second};
       for (int k = 0; k < kBlocks; ++k) {
         const unsigned possible = verdict.possible >> (4 * k) & 0xf;

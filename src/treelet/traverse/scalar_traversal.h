@@ -53,6 +53,9 @@ class ScalarTraversal {
       const auto& packed = bvh_.triangles[i];
       TriangleHit hit;
       if (!intersect(shear_, packed.triangle(), hit)) continue;
+      if constexpr (requires { &Visitor::sees; }) {
+        if (!visitor_.sees(packed.face, packed.triangle())) continue;
+      }
       if (visitor_.visit(packed.face, hit)) return true;
       t_limit_ = box_.upper_limit(visitor_.t_limit());
     }

@@ -11,7 +11,7 @@
 namespace treelet {
 
 /// Traces rays through a layout, with a stack of its own: one a thread. `rays` is how many are
-/// traced at a time; an answer is written for each.
+/// traced at a time; an answer is written for each. What a filter hides is not there.
 template <class Layout>
 class Tracer;
 
@@ -19,8 +19,8 @@ class Tracer;
 template <class Layout>
 class ScalarTracer {
  public:
-  explicit ScalarTracer(const Layout& bvh, std::size_t /*rays*/ = 1)
-      : bvh_(bvh), stack_(stack_capacity(bvh)) {}
+  explicit ScalarTracer(const Layout& bvh, std::size_t /*rays*/ = 1, const FaceFilter& filter = {})
+      : bvh_(bvh), filter_(filter), stack_(stack_capacity(bvh)) {}
 
   Hit closest(const Ray& ray) { return trace<ClosestHit<>>(ray).hit; }
   bool any(const Ray& ray) { return trace<AnyHit>(ray).found; }
@@ -39,12 +39,18 @@ class ScalarTracer {
  private:
   template <class Visitor>
   Visitor trace(const Ray& ray) {
+    if (!filter_.is_open()) {
+      Filtered<Visitor> visitor(ray, filter_);
+      traverse(bvh_, ray, stack_, visitor);
+      return visitor;
+    }
     Visitor visitor(ray);
     traverse(bvh_, ray, stack_, visitor);
     return visitor;
   }
 
   const Layout& bvh_;
+  const FaceFilter filter_;
   TraversalStack stack_;
 };
 
@@ -63,8 +69,10 @@ class Tracer<Cwbvh> : public ScalarTracer<Cwbvh> {
 template <>
 class Tracer<Bvh8> {
  public:
-  explicit Tracer(const Bvh8& bvh, std::size_t rays = 1)
-      : bvh_(bvh), stacks_(bvh, rays), kernels_(bvh8_tracer(best_isa())) {}
+  explicit Tracer(const Bvh8& bvh, std::size_t rays = 1, const FaceFilter& filter = {})
+      : bvh_(bvh, filter),
+        stacks_(bvh, rays),
+        kernels_(filter.is_open() ? bvh8_tracer(best_isa()) : filtered_bvh8_tracer(best_isa())) {}
 
   Hit closest(const Ray& ray) { return trace_one(kernels_.closest, ray); }
   bool any(const Ray& ray) { return trace_one(kernels_.any, ray); }

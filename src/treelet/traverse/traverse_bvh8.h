@@ -8,6 +8,7 @@
 #include <treelet/core/isa.h>
 #include <treelet/core/ray.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/traverse/face_filter.h>
 #include <treelet/traverse/visitors.h>
 
 namespace treelet {
@@ -22,9 +23,10 @@ struct Bvh8View {
   const Bvh8Node* nodes;
   const TriangleBlock* blocks;
   Aabb bounds;
+  FaceFilter filter;  ///< open for kernels that do not filter
 
-  explicit Bvh8View(const Bvh8& bvh)
-      : nodes(bvh.nodes.data()), blocks(bvh.blocks.data()), bounds(bvh.bounds) {}
+  explicit Bvh8View(const Bvh8& bvh, const FaceFilter& shown = {})
+      : nodes(bvh.nodes.data()), blocks(bvh.blocks.data()), bounds(bvh.bounds), filter(shown) {}
 };
 
 /// Rays that a kernel traces in turns: while one waits for memory, the others go on. More would
@@ -82,5 +84,7 @@ struct Bvh8Tracer {
 };
 
 Bvh8Tracer bvh8_tracer(Isa isa);
+/// For trees with a filter: kernels of their own, so that others need not ask for one.
+Bvh8Tracer filtered_bvh8_tracer(Isa isa);
 
 }  // namespace treelet

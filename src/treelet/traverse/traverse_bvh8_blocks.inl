@@ -33,6 +33,12 @@ struct BlockTriangle {
     return corner_row(block, corner, row)[lane];
   }
   TREELET_INLINE std::uint32_t face() const { return block.face[lane]; }
+  TREELET_INLINE Triangle corners() const {
+    const auto& v = block.vertex;
+    return {{v[0][0][lane], v[0][1][lane], v[0][2][lane]},
+            {v[1][0][lane], v[1][1][lane], v[1][2][lane]},
+            {v[2][0][lane], v[2][1][lane], v[2][2][lane]}};
+  }
 };
 
 /// Two blocks, or twice the same.

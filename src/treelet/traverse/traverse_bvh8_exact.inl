@@ -90,10 +90,7 @@ TREELET_INLINE BlockHits intersect_in_doubles(const LaneShear& ray, const Triang
 [[maybe_unused]] TREELET_NOINLINE bool intersect_exactly(const LaneShear& ray,
                                                          const TriangleBlock& block, int lane,
                                                          TriangleHit& hit) {
-  const auto& v = block.vertex;
-  const Triangle triangle{{v[0][0][lane], v[0][1][lane], v[0][2][lane]},
-                          {v[1][0][lane], v[1][1][lane], v[1][2][lane]},
-                          {v[2][0][lane], v[2][1][lane], v[2][2][lane]}};
+  const Triangle triangle = BlockTriangle{block, lane}.corners();
   RayShear shear;
   float origin[3], direction[3];
   for (int i = 0; i < 3; ++i) {

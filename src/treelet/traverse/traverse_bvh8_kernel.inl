@@ -13,6 +13,7 @@
 #include <treelet/traverse/traverse_bvh8_blocks.inl>
 #include <treelet/traverse/traverse_bvh8_boxes.inl>
 #include <treelet/traverse/traverse_bvh8_exact.inl>
+#include <treelet/traverse/traverse_bvh8_filter.inl>
 #include <treelet/traverse/traverse_bvh8_ray.inl>
 
 #include <treelet/traverse/traverse_bvh8_packet_rays.inl>
@@ -33,6 +34,7 @@ struct Query {
   using PacketVisitor = P;
   using Answer = A;
   static constexpr bool kHasPackets = !std::is_void_v<P>;
+  static constexpr bool kFilters = false;
 };
 struct ClosestQuery : Query<ClosestHit<>, PacketClosest, Hit> {
   static constexpr bool kAny = false;
@@ -45,6 +47,12 @@ struct AnyQuery : Query<AnyHit, PacketAny, bool> {
 struct WorkQuery : Query<ClosestHit<Counting>, void, Work> {
   static constexpr bool kAny = false;
   static TREELET_INLINE Work answer(const Visitor& visitor) { return visitor.work; }
+};
+
+/// Past the faces that the tree's filter hides.
+template <class Query>
+struct Filtered : Query {
+  static constexpr bool kFilters = true;
 };
 
 /// Traces what goes together in packets, and adds the numbers of the other rays to `alone`.
@@ -84,5 +92,8 @@ void trace(const Bvh8View& bvh, const Ray* rays, std::size_t count, typename Que
 }  // namespace
 
 Bvh8Tracer bvh8_tracer() { return {trace<ClosestQuery>, trace<AnyQuery>, trace<WorkQuery>}; }
+Bvh8Tracer filtered_bvh8_tracer() {
+  return {trace<Filtered<ClosestQuery>>, trace<Filtered<AnyQuery>>, trace<Filtered<WorkQuery>>};
+}
 
 }  // namespace treelet::TREELET_ISA

@@ -39,7 +39,8 @@ struct alignas(64) Packet : PacketRays {
   }
 
   /// True when nothing is left to look for.
-  TREELET_INLINE bool visit_leaf(const TriangleBlock* blocks, unsigned count) {
+  TREELET_INLINE bool visit_leaf(const TriangleBlock* blocks, unsigned count,
+                                 const FaceFilter& filter) {
     bool is_closer = false;
     for (unsigned i = 0; i < count; i += kBlocks) {
       const unsigned second = i + kBlocks <= count ? i + kBlocks - 1 : i;
@@ -47,7 +48,7 @@ struct alignas(64) Packet : PacketRays {
       unsigned near = find_triangles(slabs, pair) & pair.used_lanes();
       budget -= 1 + __builtin_popcount(near);
       for (; near != 0; near &= near - 1) {
-        is_closer |= visit_triangle(pair.triangle(__builtin_ctz(near)));
+        is_closer |= visit_triangle(pair.triangle(__builtin_ctz(near)), filter);
       }
       if (visitor.open() == 0) return true;
     }
@@ -57,8 +58,9 @@ struct alignas(64) Packet : PacketRays {
 
  private:
   /// True when that makes a limit smaller.
-  TREELET_INLINE bool visit_triangle(BlockTriangle triangle) {
+  TREELET_INLINE bool visit_triangle(BlockTriangle triangle, const FaceFilter& filter) {
     Verdict verdict = test_rays(shear, triangle, visitor.open());
+    if constexpr (Query::kFilters) drop_hidden(filter, shear, triangle, verdict);
     if constexpr (Query::kAny) {
       visitor.accept(verdict.certain);
       verdict.possible &= ~verdict.certain;

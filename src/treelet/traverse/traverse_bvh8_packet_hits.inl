@@ -74,6 +74,16 @@ TREELET_INLINE LaneShear shear_of(const PacketShear& rays, int ray) {
   return shear;
 }
 
+/// Drops the rays that see a side of the triangle, or a face, that the filter hides.
+[[maybe_unused]] TREELET_INLINE void drop_hidden(const FaceFilter& filter, const PacketShear& rays,
+                                                 BlockTriangle triangle, Verdict& verdict) {
+  for (unsigned mask = verdict.possible; mask != 0; mask &= mask - 1) {
+    const int i = __builtin_ctz(mask);
+    if (!is_shown(filter, shear_of(rays, i), triangle)) verdict.possible &= ~(1u << i);
+  }
+  verdict.certain &= verdict.possible;
+}
+
 TREELET_INLINE ExactBits lanes_of(unsigned bits) {
   ExactBits place;
   for (int i = 0; i < kExactRays; ++i) place[i] = 1 << i;

@@ -31,13 +31,15 @@ struct SingleRay : WaveRay<typename Query::Visitor> {
   }
 
   /// True when the visitor is done.
-  TREELET_INLINE bool visit_leaf(const TriangleBlock* blocks, unsigned count) {
+  TREELET_INLINE bool visit_leaf(const TriangleBlock* blocks, unsigned count,
+                                 const FaceFilter& filter) {
     for (unsigned i = 0; i < count; i += kBlocks) {
       const unsigned second = i + kBlocks <= count ? i + kBlocks - 1 : i;
       const BlockPair pair{blocks + i, blocks + second};
       const unsigned lanes = pair.used_lanes();
       visitor.count_triangles(unsigned(__builtin_popcount(lanes)));
-      const Verdict verdict = test_triangles(shear, pair, lanes);
+      Verdict verdict = test_triangles(shear, pair, lanes);
+      if constexpr (Query::kFilters) drop_hidden(filter, shear, pair, verdict);
       if (verdict.possible != 0 && visit_candidates(pair, verdict)) return true;
     }
     return false;

@@ -113,7 +113,7 @@ class Wave {
       const std::uint32_t i = leaves_.rays[k];
       Traveller& ray = travellers_[i];
       const TriangleBlock* const blocks = bvh_.blocks + ray.child.first_block();
-      if (ray.visit_leaf(blocks, ray.child.block_count())) ray.size = 1;
+      if (ray.visit_leaf(blocks, ray.child.block_count(), bvh_.filter)) ray.size = 1;
       queue_next(i, nodes, leaves);
     }
     nodes_.count = nodes;

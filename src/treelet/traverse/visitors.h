@@ -5,6 +5,7 @@
 
 #include <treelet/core/platform.h>
 #include <treelet/core/ray.h>
+#include <treelet/traverse/face_filter.h>
 #include <treelet/traverse/ray_triangle.h>
 
 // A visitor decides what a traversal looks for. Kernels of several instruction sets inline it.
@@ -12,6 +13,7 @@
 //     float t_limit()                   no hit beyond this t matters any more
 //     bool visit(face, triangle_hit)    takes a hit of the ray's line; true ends the traversal
 //     void count_node(), count_triangles(n)
+//     bool sees(face, triangle)         optional: whether a triangle that is met is there at all
 
 namespace treelet {
 
@@ -65,6 +67,20 @@ struct AnyHit : NoCounting {
     constexpr float inf = std::numeric_limits<float>::infinity();
     found = candidate.t >= t_min && candidate.t <= t_max && candidate.t < inf;
     return found;
+  }
+};
+
+/// A visitor that sees no further faces than a filter shows.
+template <class Visitor>
+struct Filtered : Visitor {
+  Vec3 direction;
+  const FaceFilter& filter;
+
+  Filtered(const Ray& ray, const FaceFilter& shown)
+      : Visitor(ray), direction(ray.direction), filter(shown) {}
+
+  bool sees(std::uint32_t face, const Triangle& triangle) const {
+    return filter.has(face) && filter.shows(direction, triangle);
   }
 };
 
