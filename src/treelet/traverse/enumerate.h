@@ -106,8 +106,8 @@ class Enumerator : public ScalarEnumerator<Layout> {
 template <>
 class Enumerator<Bvh8> {
  public:
-  explicit Enumerator(const Bvh8& bvh, std::size_t rays = 1)
-      : bvh_(bvh), stacks_(bvh, rays), kernels_(bvh8_enumerator(best_isa())) {}
+  explicit Enumerator(const Bvh8& bvh, std::size_t /*rays*/ = 1)
+      : bvh_(bvh), kernels_(bvh8_enumerator(best_isa())) {}
 
   std::size_t run(std::span<const Ray> rays, HitSink<RayHit>& sink) {
     return run(kernels_.hits, rays, sink);
@@ -121,11 +121,11 @@ class Enumerator<Bvh8> {
   std::size_t run(Bvh8Enumerator::Run<Record> kernel, std::span<const Ray> rays,
                   HitSink<Record>& sink) {
     if (bvh_.nodes == nullptr) return rays.size();
-    return kernel(bvh_, rays.data(), rays.size(), sink, stacks_.view());
+    return kernel(bvh_, rays.data(), rays.size(), sink, lists_);
   }
 
   const Bvh8View bvh_;
-  WaveStacks stacks_;
+  VisitLists lists_;
   const Bvh8Enumerator kernels_;
 };
 
