@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -126,6 +127,28 @@ class Enumerator<Bvh8> {
 
   const Bvh8View bvh_;
   VisitLists lists_;
+  const Bvh8Enumerator kernels_;
+};
+
+/// Finds the first crossings of rays; one a thread, with stacks of its own.
+class FirstHitsFinder {
+ public:
+  FirstHitsFinder(const Bvh8& bvh, std::size_t rays)
+      : bvh_(bvh), stacks_(bvh, rays), kernels_(bvh8_enumerator(best_isa())) {}
+
+  /// Of each ray at most `most`, itself at most FirstHits::kMost.
+  void run(std::span<const Ray> rays, std::uint32_t most, std::span<FirstHits> answers) {
+    for (FirstHits& answer : answers) {
+      answer.most = most;
+      answer.count = 0;
+    }
+    if (bvh_.nodes == nullptr || most == 0) return;
+    kernels_.first(bvh_, rays.data(), std::uint32_t(rays.size()), answers.data(), stacks_.view());
+  }
+
+ private:
+  const Bvh8View bvh_;
+  WaveStacks stacks_;
   const Bvh8Enumerator kernels_;
 };
 

@@ -35,15 +35,28 @@ struct VisitLists {
   VisitList nodes, leaves;
 };
 
-/// All crossings of rays through the wide layout, as compiled for one instruction set. Records are
-/// numbered by the rays' places. The tree must have nodes. Returns how many rays are done: fewer
-/// than `count` when the sink has enough.
+/// The first crossings of a ray by (t, face), each face once.
+struct FirstHits {
+  static constexpr std::uint32_t kMost = 16;
+
+  std::uint32_t most;  ///< to be found
+  std::uint32_t count = 0;
+  Hit hits[kMost];
+};
+
+/// Crossings of rays through the wide layout, as compiled for one instruction set. The tree must
+/// have nodes.
 struct Bvh8Enumerator {
+  /// All of them, in any order. Records are numbered by the rays' places. Returns how many rays are
+  /// done: fewer than `count` when the sink has enough.
   template <class Record>
   using Run = std::size_t (*)(const Bvh8View& bvh, const Ray* rays, std::size_t count,
                               HitSink<Record>& sink, VisitLists& lists);
   Run<RayHit> hits;
   Run<RayFace> faces;
+  /// As many first ones of each ray as its answer says. No child behind them is visited.
+  void (*first)(const Bvh8View& bvh, const Ray* rays, std::uint32_t count, FirstHits* answers,
+                const WaveStacks::View& stacks);
 };
 
 Bvh8Enumerator bvh8_enumerator(Isa isa);

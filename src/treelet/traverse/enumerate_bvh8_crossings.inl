@@ -1,4 +1,4 @@
-// A ray's crossings of the triangles of two blocks. Part of enumerate_bvh8_kernel.inl.
+// A ray's crossings of the triangles of a leaf. Part of enumerate_bvh8_kernel.inl.
 
 namespace treelet::TREELET_ISA {
 namespace {
@@ -10,6 +10,23 @@ TREELET_INLINE void push(HitSink<RayHit>& sink, std::uint32_t ray, std::uint32_t
 TREELET_INLINE void push(HitSink<RayFace>& sink, std::uint32_t ray, std::uint32_t face,
                          const TriangleHit&) {
   sink.push({ray, std::int32_t(face)});
+}
+
+/// Hits are kept sorted, each face once. As soon as there are enough, the last is a limit for
+/// those to come; one as far as it may still take its place.
+TREELET_INLINE void push(FirstHits& found, std::uint32_t, std::uint32_t number,
+                         const TriangleHit& hit) {
+  const auto face = std::int32_t(number);
+  std::uint32_t place = found.count;
+  for (; place != 0; --place) {
+    const Hit& before = found.hits[place - 1];
+    if (before.t < hit.t || (before.t == hit.t && before.face < face)) break;
+    if (before.face == face) return;
+  }
+  if (place == found.most) return;
+  found.count += found.count != found.most;
+  for (std::uint32_t i = found.count - 1; i > place; --i) found.hits[i] = found.hits[i - 1];
+  found.hits[place] = {hit.t, face, hit.u, hit.v};
 }
 
 /// Returns which lanes it has pushed: of those, floats tell that they are crossed.
@@ -51,14 +68,21 @@ TREELET_INLINE void push_crossings(const State& ray, const Ray& source, const Tr
   }
 }
 
+/// All crossings of the triangles of a leaf's blocks.
 template <class State, class Sink>
-TREELET_INLINE void push_crossings(const State& ray, const Ray& source, const BlockPair& pair,
-                                   Verdict verdict, Sink& sink) {
-  const TriangleBlock* const blocks[2] = {pair.first, pair.second};
-  for (int k = 0; k < kBlocks; ++k) {
-    const unsigned possible = verdict.possible >> (4 * k) & 0xf;
-    if (possible == 0) continue;
-    push_crossings(ray, source, *blocks[k], possible, verdict.certain >> (4 * k), sink);
+TREELET_INLINE void push_crossings(const State& ray, const Ray& source, const TriangleBlock* blocks,
+                                   unsigned count, Sink& sink) {
+  for (unsigned i = 0; i < count; i += kBlocks) {
+    const unsigned second = i + kBlocks <= count ? i + kBlocks - 1 : i;
+    const BlockPair pair{blocks + i, blocks + second};
+    const Verdict verdict = test_triangles(ray.shear, pair, pair.used_lanes());
+    if (verdict.possible == 0) continue;
+    const TriangleBlock* const tested[2] = {pair.first, pair.second};
+    for (int k = 0; k < kBlocks; ++k) {
+      const unsigned possible = verdict.possible >> (4 * k) & 0xf;
+      if (possible == 0) continue;
+      push_crossings(ray, source, *tested[k], possible, verdict.certain >> (4 * k), sink);
+    }
   }
 }
 

@@ -57,10 +57,6 @@ struct MetChildren {
   unsigned nodes, leaves;
 };
 
-#ifndef TN
-#define TN 16
-#define TL 16
-#endif
 TREELET_INLINE MetChildren meet_children(const RaySlabs& ray, const Bvh8Node& node) {
   unsigned met = 0, leaves = 0, used = 0;
   for (int first = 0; first < kWidth; first += kBoxLanes) {
@@ -74,15 +70,16 @@ TREELET_INLINE MetChildren meet_children(const RaySlabs& ray, const Bvh8Node& no
   return {met & used & ~leaves, met & leaves};
 }
 
-/// Visits to make next, and those whose memory is fetched meanwhile.
-template <unsigned size>
+constexpr std::uint32_t kTurn = 16;
+
+/// Visits that are made next, or whose memory is fetched meanwhile.
 struct Turn {
-  std::uint32_t rays[size], children[size];
-  unsigned count = 0;
+  std::uint32_t rays[kTurn], children[kTurn];
+  std::uint32_t count = 0;
 
   /// The last of a list.
   TREELET_INLINE void take(VisitList& list) {
-    count = list.size < size ? list.size : size;
+    count = list.size < kTurn ? list.size : kTurn;
     list.size -= count;
     __builtin_memcpy(rays, list.rays + list.size, sizeof(rays));
     __builtin_memcpy(children, list.children + list.size, sizeof(children));
@@ -100,28 +97,20 @@ class Frontier {
 
   TREELET_INLINE std::size_t run() {
     lists_.nodes.size = lists_.leaves.size = 0;
-    lists_.nodes.make_room(kWidth * TN);
-    lists_.leaves.make_room(kWidth * TN);
+    make_room();
     while (next_ != count_ && !sink_.has_enough()) {
       start_rays();
-      NodeTurn nodes[2];
-      LeafTurn leaves[2];
-      for (unsigned turn = 0;; turn ^= 1) {
-        nodes[turn].take(lists_.nodes);
-        leaves[turn].take(lists_.leaves);
-        visit_nodes(nodes[turn ^ 1], nodes[turn]);
-        visit_leaves(leaves[turn ^ 1], leaves[turn]);
-        if (nodes[turn].count + leaves[turn].count + lists_.nodes.size + lists_.leaves.size == 0) {
-          break;
-        }
-      }
+      drain();
     }
     return next_;
   }
 
  private:
-  using NodeTurn = Turn<TN>;
-  using LeafTurn = Turn<TL>;
+  /// For what the nodes of a turn may append.
+  TREELET_INLINE void make_room() {
+    lists_.nodes.make_room(kWidth * kTurn);
+    lists_.leaves.make_room(kWidth * kTurn);
+  }
 
   TREELET_INLINE void start_rays() {
     VisitList& list = lists_.nodes;
@@ -134,52 +123,57 @@ class Frontier {
     }
   }
 
-  static TREELET_INLINE void fetch(const void* memory, unsigned bytes) {
-    for (unsigned offset = 0; offset < bytes; offset += 64) {
-      __builtin_prefetch(static_cast<const char*>(memory) + offset);
+  /// Makes the visits that were fetched the turn before, and fetches those of the next.
+  TREELET_INLINE void drain() {
+    Turn nodes[2], leaves[2];
+    for (unsigned next = 0;; next ^= 1) {
+      nodes[next].take(lists_.nodes);
+      leaves[next].take(lists_.leaves);
+      const bool is_last = nodes[next].count + leaves[next].count == 0;
+      visit_nodes(nodes[next ^ 1], nodes[next]);
+      visit_leaves(leaves[next ^ 1], leaves[next]);
+      if (is_last && lists_.nodes.size + lists_.leaves.size == 0) return;
     }
   }
 
-  TREELET_INLINE void visit_nodes(const NodeTurn& turn, const NodeTurn& ahead) {
-    lists_.nodes.make_room(kWidth * TN);
-    lists_.leaves.make_room(kWidth * TN);
+  TREELET_INLINE void visit_nodes(const Turn& turn, const Turn& ahead) {
+    make_room();
     Appender nodes(lists_.nodes), leaves(lists_.leaves);
-    unsigned k = 0;
+    std::uint32_t k = 0;
     for (; k < turn.count; ++k) {
-      if (k < ahead.count) fetch(bvh_.nodes + ahead.children[k], 256);
+      if (k < ahead.count) fetch_node(ahead.children[k]);
       const Bvh8Node& node = bvh_.nodes[turn.children[k]];
-      const std::uint32_t i = turn.rays[k];
-      const MetChildren met = meet_children(rays_[i].slabs, node);
-      nodes.append(i, node.child, met.nodes);
-      leaves.append(i, node.child, met.leaves);
+      const std::uint32_t ray = turn.rays[k];
+      const MetChildren met = meet_children(rays_[ray].slabs, node);
+      nodes.append(ray, node.child, met.nodes);
+      leaves.append(ray, node.child, met.leaves);
     }
-    for (; k < ahead.count; ++k) fetch(bvh_.nodes + ahead.children[k], 256);
+    for (; k < ahead.count; ++k) fetch_node(ahead.children[k]);
     lists_.nodes.size = nodes.size;
     lists_.leaves.size = leaves.size;
   }
 
-  TREELET_INLINE void visit_leaves(const LeafTurn& turn, const LeafTurn& ahead) {
-    unsigned k = 0;
+  TREELET_INLINE void visit_leaves(const Turn& turn, const Turn& ahead) {
+    std::uint32_t k = 0;
     for (; k < turn.count; ++k) {
-      if (k < ahead.count) fetch_leaf({ahead.children[k]});
-      visit_leaf(rays_[turn.rays[k]], {turn.children[k]});
+      if (k < ahead.count) fetch_leaf(ahead.children[k]);
+      const WideChild leaf{turn.children[k]};
+      const EnumeratedRay& ray = rays_[turn.rays[k]];
+      push_crossings(ray, source_[ray.number], bvh_.blocks + leaf.first_block(), leaf.block_count(),
+                     sink_);
     }
-    for (; k < ahead.count; ++k) fetch_leaf({ahead.children[k]});
+    for (; k < ahead.count; ++k) fetch_leaf(ahead.children[k]);
   }
 
-  TREELET_INLINE void fetch_leaf(WideChild leaf) {
-    fetch(bvh_.blocks + leaf.first_block(), kBlocks * sizeof(TriangleBlock));
+  TREELET_INLINE void fetch_node(std::uint32_t node) const {
+    fetch(bvh_.nodes + node, sizeof(Bvh8Node));
   }
-
-  TREELET_INLINE void visit_leaf(const RayState& ray, WideChild leaf) {
-    const TriangleBlock* const blocks = bvh_.blocks + leaf.first_block();
-    const unsigned count = leaf.block_count();
-    for (unsigned i = 0; i < count; i += kBlocks) {
-      const unsigned second = i + kBlocks <= count ? i + kBlocks - 1 : i;
-      const BlockPair pair{blocks + i, blocks + second};
-      const Verdict verdict = test_triangles(ray.shear, pair, pair.used_lanes());
-      if (verdict.possible == 0) continue;
-      push_crossings(ray, source_[ray.number], pair, verdict, sink_);
+  TREELET_INLINE void fetch_leaf(std::uint32_t leaf) const {
+    fetch(bvh_.blocks + WideChild{leaf}.first_block(), kBlocks * sizeof(TriangleBlock));
+  }
+  static TREELET_INLINE void fetch(const void* memory, unsigned bytes) {
+    for (unsigned offset = 0; offset < bytes; offset += 64) {
+      __builtin_prefetch(static_cast<const char*>(memory) + offset);
     }
   }
 
@@ -190,7 +184,7 @@ class Frontier {
   HitSink<Record>& sink_;
   VisitLists& lists_;
   std::uint32_t next_ = 0;
-  RayState rays_[kFrontierRays];
+  EnumeratedRay rays_[kFrontierRays];
 };
 
 }  // namespace

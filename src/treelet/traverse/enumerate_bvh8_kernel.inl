@@ -12,6 +12,8 @@
 #include <treelet/traverse/traverse_bvh8_exact.inl>
 #include <treelet/traverse/traverse_bvh8_ray.inl>
 
+#include <treelet/traverse/traverse_bvh8_wave.inl>
+
 #include <treelet/traverse/enumerate_bvh8_crossings.inl>
 
 namespace treelet::TREELET_ISA {
@@ -25,11 +27,15 @@ struct FixedLimits {
   TREELET_INLINE float t_limit() const { return t_max; }
 };
 
-struct RayState : WaveRay<FixedLimits> {
+/// A ray of which all crossings are looked for, not the closest hit.
+template <class Limits>
+struct CrossingRay : WaveRay<Limits> {
+  using Base = WaveRay<Limits>;
+  using Base::shear;
   bool is_t_positive;
 
   TREELET_INLINE bool begin(const Ray& ray, const SceneLanes& scene) {
-    if (!set_up(ray, scene)) return false;
+    if (!Base::set_up(ray, scene)) return false;
     is_t_positive = ray.t_min >= 0.0f;
     if (ray.t_max > kLargest) limit_z(scene);
     return true;
@@ -53,9 +59,12 @@ struct RayState : WaveRay<FixedLimits> {
   }
 };
 
+using EnumeratedRay = CrossingRay<FixedLimits>;
+
 }  // namespace
 }  // namespace treelet::TREELET_ISA
 
+#include <treelet/traverse/enumerate_bvh8_first.inl>
 #include <treelet/traverse/enumerate_bvh8_frontier.inl>
 
 namespace treelet::TREELET_ISA {
@@ -69,6 +78,6 @@ std::size_t enumerate(const Bvh8View& bvh, const Ray* rays, std::size_t count,
 
 }  // namespace
 
-Bvh8Enumerator bvh8_enumerator() { return {enumerate<RayHit>, enumerate<RayFace>}; }
+Bvh8Enumerator bvh8_enumerator() { return {enumerate<RayHit>, enumerate<RayFace>, find_first}; }
 
 }  // namespace treelet::TREELET_ISA
