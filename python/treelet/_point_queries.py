@@ -103,6 +103,7 @@ class PointQueries(CompiledTree):
     def signed_distance(self, points: ArrayLike, *, out: FloatArray | None = None) -> FloatArray:
         """`distance`, negative where the mesh `contains` the point, float32 (...).
 
+        inf where there is no nearest point: in an empty mesh, and for a point with NaN or infinity.
         The sign is exact for closed meshes. For others take that of `winding_number(points) - 0.5`.
         """
         given = as_points(points, "points", self._offset)

@@ -60,6 +60,8 @@ def test_max_hits_keeps_the_nearest(ring):
     assert 0 < len(few_ray) < len(all_ray)
     np.testing.assert_array_equal(few_ray, np.unique(all_ray))
     np.testing.assert_array_equal(few_tri, all_tri[: len(few_tri)])
+    with pytest.raises(ValueError, match="max_hits must be at least 1, not 0"):
+        intersector.intersects_id(*rays, max_hits=0)
 
 
 def test_first_any_and_single_hits_agree(ring):
@@ -213,6 +215,9 @@ def test_empty_mesh_and_bad_points():
     assert np.isnan(closest).all()
     assert np.isinf(distance).all()
     assert face.tolist() == [-1]
+    assert signed_distance(nothing, [[0, 0, 0]]).tolist() == [-np.inf]
+    triangle = SimpleNamespace(vertices=np.eye(3), faces=np.array([[0, 1, 2]]))
+    assert signed_distance(triangle, [[np.nan, 0, 0], [0, np.inf, 0]]).tolist() == [-np.inf] * 2
     assert not RayMeshIntersector(nothing).contains_points([[0, 0, 0], [np.nan, 0, 0]]).any()
 
 

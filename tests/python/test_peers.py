@@ -12,6 +12,7 @@ from treelet import scenes
 sys.path.insert(0, str(ROOT / "bench" / "peers"))
 
 import python_peers
+import python_queries
 import run
 from make_scene import make_scene_file, order_by_tiles
 from scene_file import RaySet, SceneFile, read_scene_file, write_scene_file
@@ -209,3 +210,34 @@ def test_adapters_give_the_same_hits(tmp_path):
 def test_answers_that_differ_are_counted():
     expected, actual = np.array([1, 2, np.inf, np.inf]), np.array([1.00001, 2.001, np.inf, 3])
     assert python_peers.share_of_differences(expected, actual) == 0.5
+
+
+class TestQueryRace:
+    def test_times_every_query_and_compares_answers(self, monkeypatch):
+        def ask_false(vertices, faces):
+            return {
+                "counts": lambda origins, directions: np.full(len(origins), 99),
+                "closest_point": lambda points: points[:, 0],
+            }
+
+        ours = python_queries.CONTENDERS["treelet"]
+        monkeypatch.setattr(python_queries, "CONTENDERS", {"treelet": ours, "again": ours, "false": ask_false})
+        monkeypatch.setitem(python_queries.SLOWER, ("again", "counts"), 4)
+        mesh = scenes.make("sphere", 1000)
+        timings = python_queries.race(mesh, python_queries.make_inputs(mesh, 40, 30), rounds=2)
+        records = python_queries.measurements("sphere", len(mesh.faces), timings)
+        assert {record.kind for record in records} == set(python_queries.QUERIES)
+        assert all(len(record.samples) == 2 for record in records)
+        assert timings["counts"]["again"].items == 10
+        assert timings["signed_distance"]["treelet"].items == 30
+        assert all(query["again"].differing == query["again"].other_sign == 0 for query in timings.values())
+        assert timings["counts"]["false"].differing == 1
+        assert timings["closest_point"]["false"].differing > 0.5
+
+    def test_skips_what_is_not_installed(self, monkeypatch, capsys):
+        def ask_nothing(vertices, faces):
+            raise ImportError("no such package")
+
+        monkeypatch.setattr(python_queries, "CONTENDERS", {"other": ask_nothing})
+        assert python_queries.load_contenders(scenes.make("sphere", 100)) == {}
+        assert "skipped other: ImportError: no such package" in capsys.readouterr().err

@@ -107,11 +107,13 @@ def test_bad_points_and_empty_meshes_have_no_nearest_point():
     assert np.isinf(nearest.distance).all()
     assert (nearest.face == -1).all()
     assert not bvh.contains(bad).any()
+    assert (bvh.signed_distance(bad) == np.inf).all()
     assert np.isnan(bvh.winding_number(bad)).all()
     empty = treelet.build(np.empty((0, 3)), np.empty((0, 3), int))
     assert empty.closest_point([0, 0, 0]).face == -1
     assert empty.winding_number([0, 0, 0]) == 0
     assert not empty.contains([0, 0, 0])
+    assert empty.signed_distance([0, 0, 0]) == np.inf
     assert empty.overlap_spheres([0, 0, 0], 9).face.size == 0
     assert bvh.distance(np.empty((0, 3))).shape == (0,)
 

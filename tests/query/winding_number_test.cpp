@@ -92,8 +92,8 @@ TEST(WindingNumber, ApproximatesFarParts) {
         error = std::max(error, std::fabs(double(near[i]) - exact[i]));
         better_error = std::max(better_error, std::fabs(double(better[i]) - exact[i]));
       }
-      EXPECT_LT(error, 0.1) << recipe;
-      EXPECT_LT(better_error, 0.01) << recipe;
+      EXPECT_LT(error, 0.03) << recipe;
+      EXPECT_LT(better_error, 0.003) << recipe;
       EXPECT_GT(error, 0.0) << recipe;  // else nothing was approximated
     }
   }

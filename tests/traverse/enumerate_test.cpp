@@ -119,16 +119,52 @@ TEST_P(Enumeration, IsTheSameForAllInstructionSets) {
   const auto one_by_one = [&](auto rays, auto& sink) { return scalar.run(rays, sink); };
   EXPECT_TRUE(collect<RayHit>(rays_, one_by_one) == expected_) << "one by one, seed 41";
   for (const Isa isa : test::runnable_isas()) {
-    WaveStacks stacks(layout, kWaveRays);
+    VisitLists lists;
     const Bvh8Enumerator kernels = bvh8_enumerator(isa);
     const auto hits = [&](auto rays, auto& sink) {
-      return kernels.hits(Bvh8View(layout), rays.data(), rays.size(), sink, stacks.view());
+      return kernels.hits(Bvh8View(layout), rays.data(), rays.size(), sink, lists);
     };
     const auto faces = [&](auto rays, auto& sink) {
-      return kernels.faces(Bvh8View(layout), rays.data(), rays.size(), sink, stacks.view());
+      return kernels.faces(Bvh8View(layout), rays.data(), rays.size(), sink, lists);
     };
     EXPECT_TRUE(collect<RayHit>(rays_, hits) == expected_) << "seed 41, isa " << int(isa);
     EXPECT_TRUE(collect<RayFace>(rays_, faces) == without_t(expected_)) << "isa " << int(isa);
+  }
+}
+
+/// The first of each ray's hits.
+std::vector<RayHit> first_of(std::vector<RayHit> hits, std::uint32_t most) {
+  std::ranges::sort(hits, {},
+                    [](const RayHit& hit) { return std::tuple(hit.ray, hit.t, hit.face); });
+  std::vector<RayHit> first;
+  std::uint32_t rank = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    rank = i != 0 && hits[i - 1].ray == hits[i].ray ? rank + 1 : 0;
+    if (rank < most) first.push_back(hits[i]);
+  }
+  return first;
+}
+
+TEST_P(Enumeration, OfFirstHitsIsTheStartOfAllForAllInstructionSets) {
+  const Bvh tree = build(mesh_.view(), "sbvh(budget=50) > bvh8");
+  const auto& layout = std::get<Bvh8>(tree.layout);
+  if (layout.nodes.empty()) return;
+  for (const std::uint32_t most : {1u, 2u, 5u, FirstHits::kMost}) {
+    const std::vector<RayHit> expected = first_of(expected_, most);
+    for (const Isa isa : test::runnable_isas()) {
+      WaveStacks stacks(layout, rays_.size());
+      std::vector<FirstHits> found(rays_.size(), FirstHits{.most = most});
+      bvh8_enumerator(isa).first(Bvh8View(layout), rays_.data(), std::uint32_t(rays_.size()),
+                                 found.data(), stacks.view());
+      std::vector<RayHit> hits;
+      for (std::uint32_t i = 0; i < found.size(); ++i) {
+        for (std::uint32_t k = 0; k < found[i].count; ++k) {
+          const Hit& hit = found[i].hits[k];
+          hits.push_back({i, hit.face, hit.t, hit.u, hit.v});
+        }
+      }
+      EXPECT_TRUE(hits == expected) << "seed 41, isa " << int(isa) << ", " << most << " a ray";
+    }
   }
 }
 

@@ -83,6 +83,8 @@ class RayMeshIntersector:
         Raises:
             ValueError: for other shapes, or max_hits less than 1.
         """
+        if multiple_hits and max_hits < 1:
+            raise ValueError(f"max_hits must be at least 1, not {max_hits}")
         origins, directions = _as_rays(ray_origins, ray_directions)
         tree = self._kept.of(self.mesh)
         if multiple_hits:
@@ -181,7 +183,8 @@ def closest_point(mesh: MeshLike, points: ArrayLike) -> tuple[Float64Array, Floa
 def signed_distance(mesh: MeshLike, points: ArrayLike) -> Float64Array:
     """The distance of each point (n, 3) from the mesh, (n,) float64: positive inside, negative outside.
 
-    That is the opposite of `treelet.Bvh.signed_distance`. Arguments and errors as `closest_point`.
+    That is the opposite of `treelet.Bvh.signed_distance`, so -inf where there is no nearest point, in an
+    empty mesh or for a point with NaN or infinity. Arguments and errors as `closest_point`.
     """
     return _signed_distance(tree_of(mesh), _as_points(points, "points"))
 

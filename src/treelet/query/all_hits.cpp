@@ -48,12 +48,11 @@ void trace_part(const Layout& bvh, const RayBatch& part, std::size_t first, std:
   parallel_for_ranges(part.size, kRaysPerRowTask, [&](std::size_t begin, std::size_t end) {
     TaskHits& task = tasks[first_task + begin / kRaysPerRowTask];
     task.rays.reserve(end - begin);
-    show_rows<RayHit>(bvh, part, begin, end, [&](std::size_t k, std::span<const Hit> row) {
+    show_first_rows(bvh, part, begin, end, limit, [&](std::size_t k, std::span<const Hit> row) {
       const std::size_t ray = first + part.ray_of(k);
-      const std::span<const Hit> kept = row.first(std::min(row.size(), limit));
       task.rays.push_back(ray);
-      task.hits.insert(task.hits.end(), kept.begin(), kept.end());
-      counts[ray + 1] = std::int64_t(kept.size());
+      task.hits.insert(task.hits.end(), row.begin(), row.end());
+      counts[ray + 1] = std::int64_t(row.size());
     });
   });
 }
@@ -74,8 +73,9 @@ std::size_t rays_of_chunk(std::span<const std::int64_t> counts, std::size_t max_
 template <class Layout>
 std::vector<Hit> intersect_all(const Layout& bvh, const Ray& ray, const AllHitsOptions& options) {
   std::vector<Hit> hits;
-  show_rows<RayHit>(bvh, std::span(&ray, 1), 0, 1, [&](std::size_t, std::span<const Hit> row) {
-    hits.assign(row.begin(), row.begin() + std::ptrdiff_t(std::min(row.size(), options.limit)));
+  const RayBatch one(std::span(&ray, 1));
+  show_first_rows(bvh, one, 0, 1, options.limit, [&](std::size_t, std::span<const Hit> row) {
+    hits.assign(row.begin(), row.end());
   });
   return hits;
 }

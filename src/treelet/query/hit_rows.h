@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -73,6 +74,32 @@ void show_rows(const Layout& bvh, const RayBatch& rays, std::size_t begin, std::
     rows.assign(sink.records(), traced);
     for (std::size_t k = 0; k < traced; ++k) show(begin + done + k, rows.sorted(k));
     done += traced;
+  }
+}
+
+/// As show_rows of hits, of which the first `limit` of each ray alone are shown.
+template <class Layout, class Show>
+void show_first_rows(const Layout& bvh, const RayBatch& rays, std::size_t begin, std::size_t end,
+                     std::size_t limit, Show&& show) {
+  show_rows<RayHit>(bvh, rays, begin, end, [&](std::size_t k, std::span<const Hit> row) {
+    show(k, row.first(std::min(row.size(), limit)));
+  });
+}
+
+/// Traces no farther than it must where few are wanted.
+template <class Show>
+void show_first_rows(const Bvh8& bvh, const RayBatch& rays, std::size_t begin, std::size_t end,
+                     std::size_t limit, Show&& show) {
+  if (limit > FirstHits::kMost) {
+    return show_first_rows<Bvh8, Show>(bvh, rays, begin, end, limit, std::forward<Show>(show));
+  }
+  std::vector<Ray> part(end - begin);
+  for (std::size_t k = begin; k < end; ++k) part[k - begin] = rays[rays.ray_of(k)];
+  std::vector<FirstHits> found(end - begin);
+  FirstHitsFinder(bvh, part.size(), rays.filter).run(part, std::uint32_t(limit), found);
+  for (std::size_t k = begin; k < end; ++k) {
+    const FirstHits& row = found[k - begin];
+    show(k, std::span<const Hit>(row.hits, row.count));
   }
 }
 

@@ -1,8 +1,10 @@
 #include <treelet/query/winding_moments.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <treelet/core/parallel.h>
@@ -25,22 +27,41 @@ DoubleVector most(const DoubleVector& a, const DoubleVector& b) {
   return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
+using Quadratic = std::array<double, 6>;  ///< as Cluster::quadrupole
+using Cubic = std::array<double, 10>;     ///< as Cluster::octupole
+
+void add_product(Quadratic& sum, const DoubleVector& a, const DoubleVector& b,
+                 double factor = 1.0) {
+  const double terms[6] = {a.x * b.x,
+                           a.y * b.y,
+                           a.z * b.z,
+                           a.x * b.y + a.y * b.x,
+                           a.x * b.z + a.z * b.x,
+                           a.y * b.z + a.z * b.y};
+  for (int i = 0; i < 6; ++i) sum[i] += factor * terms[i];
+}
+
+void add_product(Cubic& sum, const DoubleVector& a, const Quadratic& q, double factor = 1.0) {
+  const double terms[10] = {a.x * q[0],
+                            a.y * q[1],
+                            a.z * q[2],
+                            a.x * q[3] + a.y * q[0],
+                            a.x * q[4] + a.z * q[0],
+                            a.x * q[1] + a.y * q[3],
+                            a.y * q[5] + a.z * q[1],
+                            a.x * q[2] + a.z * q[4],
+                            a.y * q[2] + a.z * q[5],
+                            a.x * q[5] + a.y * q[4] + a.z * q[3]};
+  for (int i = 0; i < 10; ++i) sum[i] += factor * terms[i];
+}
+
 /// Sums over triangles, around the origin.
 struct Sums {
   double area = 0.0;
   DoubleVector first{}, dipole{};  ///< of area times centroid, of area times normal
-  double second[6] = {};           ///< as Cluster::quadrupole
+  Quadratic second{};
+  Cubic third{};
   DoubleVector lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
-
-  void add_product(const DoubleVector& x, const DoubleVector& n) {
-    const double terms[6] = {x.x * n.x,
-                             x.y * n.y,
-                             x.z * n.z,
-                             x.x * n.y + x.y * n.x,
-                             x.x * n.z + x.z * n.x,
-                             x.y * n.z + x.z * n.y};
-    for (int i = 0; i < 6; ++i) second[i] += terms[i];
-  }
 
   void add(const DoubleVector& a, const DoubleVector& b, const DoubleVector& c) {
     const DoubleVector normal = cross(b - a, c - a) * 0.5;
@@ -49,7 +70,11 @@ struct Sums {
     area += own_area;
     first = first + centroid * own_area;
     dipole = dipole + normal;
-    add_product(centroid, normal);
+    add_product(second, centroid, normal);
+    Quadratic mean{};  // of (x.r)^2 over the triangle
+    for (const DoubleVector& corner : {a, b, c}) add_product(mean, corner, corner, 1.0 / 12.0);
+    add_product(mean, centroid, centroid, 9.0 / 12.0);
+    add_product(third, normal, mean);
     lower = least(lower, least(a, least(b, c)));
     upper = most(upper, most(a, most(b, c)));
   }
@@ -59,6 +84,7 @@ struct Sums {
     first = first + other.first;
     dipole = dipole + other.dipole;
     for (int i = 0; i < 6; ++i) second[i] += other.second[i];
+    for (int i = 0; i < 10; ++i) third[i] += other.third[i];
     lower = least(lower, other.lower);
     upper = most(upper, other.upper);
   }
@@ -69,20 +95,34 @@ double square_to_corner(const DoubleVector& p, const Sums& sums) {
   return dot(reach, reach);
 }
 
+/// The forms with d = x - p, from those of x:
+///
+///     (n.r) (d.r)   = (n.r) (x.r) - (p.r) (n.r)
+///     (n.r) (d.r)^2 = (n.r) (x.r)^2 - 2 (p.r) (n.r) (x.r) + (p.r)^2 (n.r)
+std::pair<Quadratic, Cubic> move_to(const DoubleVector& p, const Sums& sums) {
+  Quadratic quadratic = sums.second, shift{};
+  add_product(quadratic, p, sums.dipole, -1.0);
+  add_product(shift, p, sums.dipole);
+  Cubic cubic = sums.third;
+  add_product(cubic, p, sums.second, -2.0);
+  add_product(cubic, p, shift);
+  return {quadratic, cubic};
+}
+
 /// Around the area's centre, as rounded to floats.
 Cluster make_cluster(const Sums& sums) {
   if (!(sums.lower.x <= sums.upper.x)) return {};  // no triangle counts here
   const DoubleVector middle = (sums.lower + sums.upper) * 0.5;
   const DoubleVector center = sums.area > 0.0 ? sums.first * (1.0 / sums.area) : middle;
-  Cluster cluster{{float(center.x), float(center.y), float(center.z)}, 0.0f, {}, {}};
+  Cluster cluster{{float(center.x), float(center.y), float(center.z)}, 0.0f, {}, {}, {}};
   const DoubleVector rounded{cluster.center[0], cluster.center[1], cluster.center[2]};
   cluster.squared_radius = float(square_to_corner(rounded, sums) * (1.0 + 0x1p-20));
-  Sums around = sums;
-  around.add_product(rounded * -1.0, sums.dipole);
+  const auto [quadrupole, octupole] = move_to(rounded, sums);
   cluster.dipole[0] = float(sums.dipole.x);
   cluster.dipole[1] = float(sums.dipole.y);
   cluster.dipole[2] = float(sums.dipole.z);
-  for (int i = 0; i < 6; ++i) cluster.quadrupole[i] = float(around.second[i]);
+  std::copy(quadrupole.begin(), quadrupole.end(), cluster.quadrupole);
+  std::copy(octupole.begin(), octupole.end(), cluster.octupole);
   return cluster;
 }
 

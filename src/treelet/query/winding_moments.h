@@ -11,18 +11,18 @@
 
 namespace treelet {
 
-/// What a far point sees of the triangles below a child: the first two terms of the Taylor series
-/// of their winding number around a centre [BarillEtAl2018 s4].
+/// What a far point sees of the triangles below a child: the first three terms of the Taylor series
+/// of their winding number around a centre [BarillEtAl2018 s4]. With d from the centre to a place
+/// on a triangle of normal n, each term is the integral of a form in the vector r.
 struct Cluster {
   float center[3];
   float squared_radius;  ///< of a ball around all triangles
-  float dipole[3];       ///< sum of area times normal n
-  /// Sum of area times (centroid - centre) n^T, its symmetric part: xx, yy, zz and twice xy, xz,
-  /// yz.
-  float quadrupole[6];
+  float dipole[3];       ///< n.r
+  float quadrupole[6];   ///< (n.r) (d.r): xx, yy, zz, xy, xz, yz
+  float octupole[10];    ///< (n.r) (d.r)^2: xxx, yyy, zzz, xxy, xxz, yyx, yyz, zzx, zzy, xyz
 };
 
-/// The clusters of a tree's children, 52 bytes each, in a space where the scene's size is about
+/// The clusters of a tree's children, 92 bytes each, in a space where the scene's size is about
 /// one. A face that lies in several leaves is in one cluster of each level only.
 class WindingMoments {
  public:

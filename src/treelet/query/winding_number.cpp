@@ -16,7 +16,25 @@ using point_steps::DoubleVector;
 
 constexpr std::size_t kPointsPerTask = 256;
 
-/// Solid angle of a far cluster, to second order; `r` leads from the eye to its centre.
+/// (n.r) (d.r)^2 of a cluster, and C.r = 2 (d.n) (d.r) + d^2 (n.r), half the form's Laplacian.
+struct CubicTerms {
+  double value, half_laplacian;
+};
+
+CubicTerms cubic_terms(const float (&c)[10], const DoubleVector& r) {
+  const double xx = r.x * r.x, yy = r.y * r.y, zz = r.z * r.z;
+  const double value = (c[0] * xx + c[5] * yy + c[7] * zz) * r.x +
+                       (c[3] * xx + c[1] * yy + c[8] * zz) * r.y +
+                       (c[4] * xx + c[6] * yy + c[2] * zz) * r.z + c[9] * r.x * r.y * r.z;
+  const double half_laplacian = (3.0 * c[0] + c[5] + c[7]) * r.x +
+                                (c[3] + 3.0 * c[1] + c[8]) * r.y + (c[4] + c[6] + 3.0 * c[2]) * r.z;
+  return {value, half_laplacian};
+}
+
+/// Solid angle of a far cluster, to third order; `r` leads from the eye to its centre. It is that
+/// of n.(r + d) / |r + d|^3, of which the terms are
+///
+///     n.r / r^3    (d.n - 3 (n.r) (d.r) / r^2) / r^3    3/2 (5 (n.r) (d.r)^2 / r^2 - C.r) / r^5
 double far_angle(const Cluster& cluster, const DoubleVector& r, double square) {
   const auto& d = cluster.dipole;
   const auto& q = cluster.quadrupole;
@@ -25,7 +43,9 @@ double far_angle(const Cluster& cluster, const DoubleVector& r, double square) {
   const double along = q[0] * r.x * r.x + q[1] * r.y * r.y + q[2] * r.z * r.z + q[3] * r.x * r.y +
                        q[4] * r.x * r.z + q[5] * r.y * r.z;
   const double flux = d[0] * r.x + d[1] * r.y + d[2] * r.z;
-  return (flux + trace - 3.0 * along * inverse) * inverse * std::sqrt(inverse);
+  const CubicTerms third = cubic_terms(cluster.octupole, r);
+  const double bend = 1.5 * (5.0 * third.value * inverse - third.half_laplacian);
+  return (flux + trace + (bend - 3.0 * along) * inverse) * inverse * std::sqrt(inverse);
 }
 
 template <class Layout>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -110,8 +111,8 @@ class Enumerator : public ScalarEnumerator<Layout> {
 template <>
 class Enumerator<Bvh8> {
  public:
-  explicit Enumerator(const Bvh8& bvh, std::size_t rays = 1, const FaceFilter& filter = {})
-      : bvh_(bvh, filter), stacks_(bvh, rays), kernels_(bvh8_enumerator(best_isa())) {}
+  explicit Enumerator(const Bvh8& bvh, std::size_t /*rays*/ = 1, const FaceFilter& filter = {})
+      : bvh_(bvh, filter), kernels_(bvh8_enumerator(best_isa())) {}
 
   std::size_t run(std::span<const Ray> rays, HitSink<RayHit>& sink) {
     return run(kernels_.hits, rays, sink);
@@ -125,9 +126,31 @@ class Enumerator<Bvh8> {
   std::size_t run(Bvh8Enumerator::Run<Record> kernel, std::span<const Ray> rays,
                   HitSink<Record>& sink) {
     if (bvh_.nodes == nullptr) return rays.size();
-    return kernel(bvh_, rays.data(), rays.size(), sink, stacks_.view());
+    return kernel(bvh_, rays.data(), rays.size(), sink, lists_);
   }
 
+  const Bvh8View bvh_;
+  VisitLists lists_;
+  const Bvh8Enumerator kernels_;
+};
+
+/// Finds the first crossings of rays; one a thread, with stacks of its own.
+class FirstHitsFinder {
+ public:
+  FirstHitsFinder(const Bvh8& bvh, std::size_t rays, const FaceFilter& filter = {})
+      : bvh_(bvh, filter), stacks_(bvh, rays), kernels_(bvh8_enumerator(best_isa())) {}
+
+  /// Of each ray at most `most`, itself at most FirstHits::kMost.
+  void run(std::span<const Ray> rays, std::uint32_t most, std::span<FirstHits> answers) {
+    for (FirstHits& answer : answers) {
+      answer.most = most;
+      answer.count = 0;
+    }
+    if (bvh_.nodes == nullptr || most == 0) return;
+    kernels_.first(bvh_, rays.data(), std::uint32_t(rays.size()), answers.data(), stacks_.view());
+  }
+
+ private:
   const Bvh8View bvh_;
   WaveStacks stacks_;
   const Bvh8Enumerator kernels_;
