@@ -122,8 +122,9 @@ void bind_double(nb::module_& module) {
       .def_prop_ro("report",
                    [](const treelet::DoubleBvh& bvh) { return describe_report(bvh.report); })
       .def_prop_ro("bounds", bounds)
-      .def("epo", [](const treelet::DoubleBvh&, std::size_t) { return std::nan(""); },
-           "max_triangles"_a)
+      .def(
+          "epo", [](const treelet::DoubleBvh&, std::size_t) { return std::nan(""); },
+          "max_triangles"_a)
       .def("intersect", intersect, "rays"_a, "origins"_a.noconvert(), "directions"_a.noconvert(),
            "t_min"_a.noconvert(), "t_max"_a.noconvert())
       .def("occluded", occluded, "rays"_a, "origins"_a.noconvert(), "directions"_a.noconvert(),

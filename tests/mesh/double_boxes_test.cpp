@@ -78,8 +78,9 @@ TEST(DoubleBoxes, AreTight) {
 TEST(DoubleBoxes, StandInsAreOfTheSameKind) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  const OwnedDoubles mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNan, 0, 0}, {0, kInf, 0}, {1e-300, 0, 0}},
-                          {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {0, 1, 1}, {0, 5, 1}}};
+  const OwnedDoubles mesh{
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {kNan, 0, 0}, {0, kInf, 0}, {1e-300, 0, 0}},
+      {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {0, 1, 1}, {0, 5, 1}}};
   const BoxFrame frame = fit_frame(mesh.view());
   const BoxMesh boxes = make_box_mesh(mesh.view(), frame);
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {

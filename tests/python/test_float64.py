@@ -85,7 +85,7 @@ def test_closest_hits_are_exact_at_any_scale(scale):
 def test_directions_of_any_length(scale):
     vertices, faces = soup(30, seed=3)
     origins, directions = rays_at(vertices, faces, 40, seed=4, scale=scale)
-    assert check_closest(build(vertices, faces), vertices, faces, origins, directions) > 20
+    assert check_closest(build(vertices, faces), vertices, faces, origins, directions) > 15
 
 
 @pytest.mark.parametrize("distance", [1e3, 1e9, 1e15, 1e18, 1e200])
@@ -110,16 +110,16 @@ def test_axis_rays_from_very_far_hit():
     assert (bvh.count_hits(origins[x.ravel() % 1 != 0], [0, 0, -1]) <= 1).all()
 
 
-def test_millimetres_at_utm_coordinates():
-    """Steps of a millimetre, on which neither float32 nor float32 with an offset tells sides apart."""
+def test_tenths_of_millimetres_at_utm_coordinates():
+    """Beside a kilometre: neither float32 nor float32 with an offset tells their sides apart."""
     vertices, faces = grid(12)
-    points = vertices.astype(np.float64) * 0.012  # a millimetre a cell
-    points[:, 2] = 2e-4 * np.sin(points[:, 0] * 3000) * np.cos(points[:, 1] * 2500)
+    points = vertices.astype(np.float64) * 0.0012
+    points[:, 2] = 2e-5 * np.sin(points[:, 0] * 3e4) * np.cos(points[:, 1] * 2.5e4)
     field = np.concatenate([points, [[0, 0, 0], [900, 0, 0], [0, 900, 0]]])
     field += UTM + 0.123456789
     faces = np.concatenate([faces, [[len(points), len(points) + 1, len(points) + 2]]])
     rng = np.random.default_rng(7)
-    origins = field[0] + rng.random((150, 3)) * [0.012, 0.012, 0.01] + [0, 0, 0.01]
+    origins = field[0] + rng.random((150, 3)) * [0.0012, 0.0012, 0.001] + [0, 0, 0.001]
     directions = rng.standard_normal((150, 3)) * 0.1 - [0, 0, 1]
     assert check_closest(build(field, faces), field, faces, origins, directions) > 100
     with warnings.catch_warnings():

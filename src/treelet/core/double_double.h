@@ -29,8 +29,7 @@ TREELET_INLINE DoubleDouble operator-(DoubleDouble a, DoubleDouble b) { return a
 
 TREELET_INLINE DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
   const auto [high, error] = exact_steps::two_product(a.high, b.high);
-  const auto [sum, low] =
-      exact_steps::two_sum(high, error + (a.high * b.low + a.low * b.high));
+  const auto [sum, low] = exact_steps::two_sum(high, error + (a.high * b.low + a.low * b.high));
   return {sum, low};
 }
 

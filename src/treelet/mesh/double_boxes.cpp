@@ -35,8 +35,8 @@ struct Box {
 
 Box merge(Box a, const Box& b) {
   for (int axis = 0; axis < 3; ++axis) {
-    a.axes[axis].add(b.axes[axis].lower);
-    a.axes[axis].add(b.axes[axis].upper);
+    a.axes[axis].lower = std::min(a.axes[axis].lower, b.axes[axis].lower);
+    a.axes[axis].upper = std::max(a.axes[axis].upper, b.axes[axis].upper);
   }
   return a;
 }
@@ -91,8 +91,8 @@ BoxFrame fit_frame(const DoubleMesh& mesh) {
   frame.center = {middle(x), middle(y), middle(z)};
   double radius = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    radius = std::max({radius, frame.upper[axis] - frame.center[axis],
-                       frame.center[axis] - frame.lower[axis]});
+    radius = std::max(
+        {radius, frame.upper[axis] - frame.center[axis], frame.center[axis] - frame.lower[axis]});
   }
   const int exponent = radius > 0.0 ? std::ilogb(radius) + 1 : 0;
   frame.exponent = std::clamp(exponent, kSmallestExponent, kLargestExponent);

@@ -13,7 +13,7 @@ namespace treelet {
 /// The space of the boxes: coordinates are (x - center) * 2^-exponent.
 struct BoxFrame {
   DoubleVec3 center{0, 0, 0};
-  int exponent = 0;  ///< the boxes' coordinates are at most 2
+  int exponent = 0;                           ///< the boxes' coordinates are at most 2
   DoubleVec3 lower{0, 0, 0}, upper{0, 0, 0};  ///< of the regular triangles' vertices, exactly
   bool is_empty = true;
 };

@@ -18,7 +18,8 @@ void check_recipe(const Recipe& recipe) {
     throw std::invalid_argument(wrong + "of the layout bvh8" + given);
   }
   if (recipe.splitter || recipe.builder.word->name == "sbvh") {
-    throw std::invalid_argument(wrong + "that split no triangles: leave out presplit, and sbvh and " +
+    throw std::invalid_argument(wrong +
+                                "that split no triangles: leave out presplit, and sbvh and " +
                                 "the preset best that uses it" + given);
   }
 }

@@ -27,8 +27,8 @@ struct FramedRay {
   double largest_distance(const Aabb& scene) const {
     double distance = 0.0;
     for (int i = 0; i < 3; ++i) {
-      distance = std::max({distance, std::fabs(start[i] - scene.lower[i]),
-                           std::fabs(scene.upper[i] - start[i])});
+      distance = std::max(
+          {distance, std::fabs(start[i] - scene.lower[i]), std::fabs(scene.upper[i] - start[i])});
     }
     return distance;
   }
@@ -88,8 +88,8 @@ bool prepare(const DoubleRay& ray, const BoxFrame& frame, const Aabb& scene,
     setup.unit[i] = framed.unit[setup.axis[i]];
   }
   setup.z_of_t = std::fabs(ray.direction[largest]);
-  setup.z_min = ray.t_min * setup.z_of_t - 0x1p-1000;
-  setup.set_limit(ray.t_max);
+  setup.set_lower_limit(ray.t_min);
+  setup.set_upper_limit(ray.t_max);
   return true;
 }
 

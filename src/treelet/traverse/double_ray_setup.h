@@ -17,14 +17,18 @@ namespace treelet {
 /// has for a start that was moved.
 struct DoubleRayBox {
   float start[3];
-  float inverse[3];  ///< of the direction, whose largest component is in [1, 2)
-  float padding;     ///< of planes along each axis
+  float inverse[3];   ///< of the direction, whose largest component is in [1, 2)
+  float padding;      ///< of planes along each axis
   double t_scale[2];  ///< slab t of a ray's t: times both, less the shift
   double t_shift;
 
   // Limits on the ray's t as limits on slab t, wider by what doubles round.
-  TREELET_INLINE float lower_limit(double t) const { return -upper(-(t * t_scale[0] * t_scale[1]), -t_shift); }
-  TREELET_INLINE float upper_limit(double t) const { return upper(t * t_scale[0] * t_scale[1], t_shift); }
+  TREELET_INLINE float lower_limit(double t) const {
+    return -upper(-(t * t_scale[0] * t_scale[1]), -t_shift);
+  }
+  TREELET_INLINE float upper_limit(double t) const {
+    return upper(t * t_scale[0] * t_scale[1], t_shift);
+  }
 
  private:
   static TREELET_INLINE float upper(double time, double shift) {
@@ -44,18 +48,24 @@ struct DoubleRaySetup {
   const DoubleRay* ray;
   int axis[3];
   double origin[3], unit[3];
-  double z_of_t;          ///< the size of the direction's z: t times it is a distance along z
-  double z_min, z_max;    ///< what the limits on t are there, a little wider
-  double z_certainly;     ///< a hit before it is before t_max, and no infinite t
+  double z_of_t;        ///< the size of the direction's z: t times it is a distance along z
+  double z_min, z_max;  ///< no hit within the limits on t is outside of these,
+  double inner_z_min, inner_z_max;  ///< and none certainly inside of these is outside of them
 
-  /// Takes over a limit on t.
-  TREELET_INLINE void set_limit(double t) {
-    constexpr double kSmallest = 0x1p-1000, kLarge = 0x1p900;
-    z_max = t * z_of_t + kSmallest;
-    z_certainly = t * z_of_t;
-    if (!(z_certainly < kLarge)) z_certainly = kLarge;
-    if (!(z_certainly < kLarge * z_of_t)) z_certainly = kLarge * z_of_t;
+  void set_lower_limit(double t) {
+    z_min = t * z_of_t - kSmallest;
+    inner_z_min = t * z_of_t + kSmallest;
   }
+  TREELET_INLINE void set_upper_limit(double t) {
+    z_max = t * z_of_t + kSmallest;
+    inner_z_max = t * z_of_t - kSmallest;
+    if (!(inner_z_max < kLarge)) inner_z_max = kLarge;  // infinity would be certain of nothing
+    if (!(inner_z_max < kLarge * z_of_t)) inner_z_max = kLarge * z_of_t;  // t stays finite
+  }
+
+ private:
+  static constexpr double kSmallest = 0x1p-1000;  // more than underflow takes
+  static constexpr double kLarge = 0x1p900;
 };
 
 /// False where the ray can hit nothing: as is_traceable(Ray).

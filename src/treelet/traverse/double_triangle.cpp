@@ -100,8 +100,7 @@ Edge edge_of(const DoubleTriangle& t, int i) {
 
 int edge_sign(const DoubleRaySetup& setup, const ShearedDoubles& sheared, const Edge& edge, int i) {
   const int certain = sheared.sign_of(i);
-  return certain != 0 ? certain
-                      : exact_edge_sign(*setup.ray, edge.p, edge.q) * sign(setup.unit[2]);
+  return certain != 0 ? certain : exact_edge_sign(*setup.ray, edge.p, edge.q) * sign(setup.unit[2]);
 }
 
 /// The same for the displaced ray; zero where the edge is parallel to it.

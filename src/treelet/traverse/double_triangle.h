@@ -10,7 +10,8 @@
 
 namespace treelet {
 
-/// Bound on the rounding of an edge function in doubles, over what it is in traverse_bvh8_exact.inl.
+/// Bound on the rounding of an edge function in doubles, over what it is in
+/// traverse_bvh8_exact.inl.
 inline constexpr double kDoubleEdgeBound = 0x1p-48;  // 32u, for u = 2^-53
 /// What underflow can take of it: a product loses 2^-1074, and is multiplied by a coordinate that
 /// is either small, too, or makes the bound large.

@@ -25,9 +25,10 @@ struct DoubleBvh8View {
 struct DoubleTracer {
   template <class Answer>
   using Trace = void (*)(const DoubleBvh8View& bvh, DoubleRaySetup& ray, Answer& answer);
-  Trace<DoubleHit> closest;  ///< smallest t, of equal t the smaller face; the answer is a miss before
-  Trace<bool> any;           ///< false before
-  Trace<std::int64_t> count;  ///< of crossings; zero before
+  Trace<DoubleHit>
+      closest;      ///< smallest t, of equal t the smaller face; the answer is a miss before
+  Trace<bool> any;  ///< false before
+  Trace<std::int64_t> count;          ///< of crossings; zero before
   Trace<std::vector<DoubleHit>> all;  ///< crossings in any order, added
 };
 DoubleTracer double_tracer(Isa isa);

@@ -46,12 +46,12 @@ TREELET_INLINE void apply_limits(const DoubleRaySetup& ray, Doubles along, Doubl
   const auto error_at = [&](Doubles limit) __attribute__((always_inline)) {
     return error * (z + magnitude(limit)) + splat(kUnderflow);
   };
-  const Doubles z_min = splat(ray.z_min), z_max = splat(ray.z_max),
-                z_certainly = splat(ray.z_certainly);
-  const Doubles before = z_min * size - forward, beyond = forward - z_max * size;
-  verdict.possible &= ~sign_mask((before > error_at(z_min)) | (beyond > error_at(z_max)));
-  verdict.within = sign_mask((-before > error_at(z_min)) &
-                             (z_certainly * size - forward > error_at(z_certainly)));
+  const Doubles z_min = splat(ray.z_min), z_max = splat(ray.z_max);
+  const Doubles inner_min = splat(ray.inner_z_min), inner_max = splat(ray.inner_z_max);
+  verdict.possible &= ~sign_mask((z_min * size - forward > error_at(z_min)) |
+                                 (forward - z_max * size > error_at(z_max)));
+  verdict.within = sign_mask((forward - inner_min * size > error_at(inner_min)) &
+                             (inner_max * size - forward > error_at(inner_max)));
 }
 
 /// may_intersect of traverse/ray_triangle.h, with its proof: a lane is kept where a bound is

@@ -24,9 +24,7 @@ struct LongVector {
     xyz[axis] = value;
     sizes[axis] = {absolute(value.high)};
   }
-  TREELET_INLINE double size() const {
-    return sizes[0].value + sizes[1].value + sizes[2].value;
-  }
+  TREELET_INLINE double size() const { return sizes[0].value + sizes[1].value + sizes[2].value; }
 };
 
 /// A triple product, and what rounding can have moved it by: 2^-99 of its size in six operations,
@@ -46,12 +44,11 @@ TREELET_INLINE bool divide(const LongProduct& a, const LongProduct& b, double& r
   constexpr double kLeast = 0x1p-900, kMost = 0x1p900;
   const DoubleDouble quotient = a.value / b.value;
   const double size = absolute(quotient.high);
-  const double error = 2.0 * size *
-                       (a.error / absolute(a.value.high) + b.error / absolute(b.value.high) +
-                        0x1p-97);
+  const double error =
+      2.0 * size * (a.error / absolute(a.value.high) + b.error / absolute(b.value.high) + 0x1p-97);
   rounded = quotient.high;
-  const bool is_certain = rounded + (quotient.low - error) == rounded &&
-                          rounded + (quotient.low + error) == rounded;
+  const bool is_certain =
+      rounded + (quotient.low - error) == rounded && rounded + (quotient.low + error) == rounded;
   return is_certain && size > kLeast && size < kMost && error < size;
 }
 
@@ -85,8 +82,7 @@ class Placing {
   TREELET_INLINE double divided(const LongProduct& numerator, Place place) const {
     constexpr double kMost = 0x1p300;  // products of three do not overflow
     double rounded;
-    const double size =
-        to_corner_.size() + first_.size() + second_.size() + direction_.size();
+    const double size = to_corner_.size() + first_.size() + second_.size() + direction_.size();
     if (size < kMost && divide(numerator, LongProduct(direction_, first_, second_), rounded)) {
       return rounded;
     }
@@ -146,7 +142,7 @@ class DoubleClosest {
     hit_.face = face;
     block_ = &block;
     lane_ = lane;
-    ray.set_limit(t);
+    ray.set_upper_limit(t);
   }
 
   DoubleHit& hit_;
