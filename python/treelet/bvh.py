@@ -210,8 +210,8 @@ def build(
         rays: how many rays the tree is for, instead of a recipe: the preset that is expected to build and
             trace in the least time, `report.recipe` tells which. Not `best` for updatable trees, whose
             pieces a refit would spoil, nor on a device, which cannot build it.
-        precision: "float32", or "float64" for a `treelet.DoubleBvh`: no vertex is rounded, rays and answers are
-            in float64 (docs/precision.md). On the CPU, for recipes that split no triangles and end in bvh8.
+        precision: "float32", or "float64" for a `treelet.DoubleBvh`: no vertex is rounded, rays and answers
+            are float64 (docs/precision.md). On the CPU, for recipes that split no triangles and end in bvh8.
         updatable: keep what `Bvh.refit` and `Bvh.rebuild` need: 12 bytes a face, and from the first rebuild
             on the memory that a build takes (`report.held_bytes`).
         validate: check the tree after every stage; about doubles the time.

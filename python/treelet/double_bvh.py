@@ -140,7 +140,7 @@ class DoubleBvh:
             origins: see `intersect`, as for the limits on t.
             directions: ...
             t_min: ...
-            t_max: ... Hits beyond the largest float64 have t = inf and belong to rays whose t_max is infinite.
+            t_max: ... Hits beyond the largest float64 have t = inf and belong to rays whose t_max is inf.
             limit: keep the first so many hits of each ray; by default all.
 
         Returns:

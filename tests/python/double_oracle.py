@@ -1,4 +1,4 @@
-"""What a ray in float64 hits, in whole numbers of any size: right by construction for every finite float64."""
+"""What a ray in float64 hits, in whole numbers of any size: right by construction at any magnitude."""
 
 from __future__ import annotations
 

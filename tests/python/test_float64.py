@@ -235,7 +235,7 @@ def test_the_sign_of_t_is_exact():
 
 def test_bad_faces_and_rays():
     good = TRIANGLE_VERTICES.astype(np.float64)
-    vertices = np.concatenate([good, good + [0, 0, 1], [[np.nan, 0, 0], [np.inf, 1, 0]]])
+    vertices = np.concatenate([good, np.add(good, [0, 0, 1]), [[np.nan, 0, 0], [np.inf, 1, 0]]])
     faces = [[0, 1, 6], [3, 4, 5], [0, 1, 7], [0, 0, 1], [0, 1, 2]]
     bvh = build(vertices, faces)
     assert (bvh.report.left_out_non_finite, bvh.report.left_out_degenerate) == (2, 1)
@@ -276,7 +276,7 @@ def test_largest_doubles():
 
 def test_shapes_and_types():
     bvh = build(TRIANGLE_VERTICES.tolist(), TRIANGLE_FACES)
-    hits = bvh.intersect(np.zeros((4, 1, 3)) + [0.2, 0.2, 1], np.full((5, 3), [0, 0, -1]))
+    hits = bvh.intersect(np.full((4, 1, 3), [0.2, 0.2, 1]), np.full((5, 3), [0, 0, -1]))
     assert [array.dtype for array in hits] == [np.float64, np.int32, np.float64, np.float64]
     assert all(array.shape == (4, 5) for array in hits)
     assert bvh.occluded([0.2, 0.2, 1], [0, 0, -1]).shape == ()
@@ -355,7 +355,7 @@ def test_methods_that_are_missing_say_what_to_do_instead():
     }.items():
         with pytest.raises(AttributeError, match=f"no attribute '{name}': .*{message}"):
             getattr(bvh, name)
-    with pytest.raises(AttributeError, match="no attribute 'nonsense'$"):
+    with pytest.raises(AttributeError, match=r"no attribute 'nonsense'$"):
         bvh.nonsense  # noqa: B018
     with pytest.raises(TypeError, match="cannot be pickled yet"):
         pickle.dumps(bvh)
