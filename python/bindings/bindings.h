@@ -8,6 +8,7 @@ void bind_core(nanobind::module_& module);
 void bind_cuda(nanobind::module_& module);
 void bind_device(nanobind::module_& module);
 void bind_device_memory(nanobind::module_& module);
+void bind_double(nanobind::module_& module);
 void bind_file(nanobind::module_& module);
 void bind_hit_lists(nanobind::module_& module);
 void bind_pipeline(nanobind::module_& module);

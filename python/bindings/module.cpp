@@ -12,5 +12,6 @@ NB_MODULE(_core, module) {
   bind_point_queries(module);
   bind_hit_lists(module);
   bind_surface(module);
+  bind_double(module);
   bind_file(module);
 }

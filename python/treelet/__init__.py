@@ -17,6 +17,7 @@ from ._load import load, mesh_hash
 from ._point_queries import ClosestPoints, Overlaps
 from .bvh import Bvh, Hits, Work, build, intersect_brute_force
 from .device_bvh import DeviceBvh
+from .double_bvh import DoubleAllHits, DoubleBvh, DoubleHits
 from .recipes import Parameter, RecipeWord, parse_recipe, presets, recipe_words
 from .report import Report, Stage
 
@@ -28,6 +29,9 @@ __all__ = [
     "Bvh",
     "ClosestPoints",
     "DeviceBvh",
+    "DoubleAllHits",
+    "DoubleBvh",
+    "DoubleHits",
     "FileError",
     "HitChunk",
     "Hits",

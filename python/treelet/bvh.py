@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from ._point_queries import PointQueries
 from ._ray_queries import RayQueries
 from ._surface import SurfaceQueries
 from .device_bvh import DeviceBvh, build_on_device, move_to_device
+from .double_bvh import build_double
 from .report import Report
 
 __all__ = ["Bvh", "Hits", "Work", "build", "intersect_brute_force"]
@@ -189,6 +191,7 @@ def build(
     recipe: str | None = None,
     *,
     rays: float | None = None,
+    precision: str = "float32",
     updatable: bool = False,
     validate: bool = False,
     stream: Any = None,
@@ -209,6 +212,8 @@ def build(
         rays: how many rays the tree is for, instead of a recipe: the preset that is expected to build and
             trace in the least time, `report.recipe` tells which. Neither `better` nor `best` for updatable
             trees, whose pieces a refit would spoil, nor on a device, which cannot build them.
+        precision: "float32", or "float64" for a `treelet.DoubleBvh`: no vertex is rounded, rays and answers
+            are float64 (docs/precision.md). On the CPU, for recipes that split no triangles and end in bvh8.
         updatable: keep what `Bvh.refit` and `Bvh.rebuild` need: 12 bytes a face, and from the first rebuild
             on the memory that a build takes (`report.held_bytes`).
         validate: check the tree after every stage; about doubles the time.
@@ -221,20 +226,30 @@ def build(
     `stream` and waited for once.
 
     Returns:
-        A `treelet.Bvh`, or a `treelet.DeviceBvh` for arrays on a device.
+        A `treelet.Bvh`, a `treelet.DeviceBvh` for arrays on a device, or a `treelet.DoubleBvh`.
 
     Raises:
-        ValueError: for a wrong shape, a face index out of range (the first is named) or a bad recipe.
+        ValueError: for a wrong shape, a face index out of range (the first is named), a bad recipe, or one
+            that the precision does not go with.
         TypeError: for arrays that do not hold numbers, faces that are no integers, a recipe that is no text,
             one array on the host and one on a device, a stream for arrays on the host, a recipe beside rays.
         RuntimeError: where validation finds a violation, which is a bug in treelet; where CUDA fails, or has
             no version of a word of the recipe.
     """
+    is_double = _is_double(precision)
     if is_on_device(vertices):
+        if is_double:
+            raise ValueError(
+                'precision="float64" is for arrays on the host, and the vertices lie on a CUDA device: copy '
+                "them to the host, or leave out precision and subtract an offset before rounding to float32"
+            )
         chosen = _choose_recipe(recipe, rays, shape_on_device(faces), may_split=False)
         return build_on_device(vertices, faces, chosen, updatable=updatable, validate=validate, stream=stream)
     if stream is not None:
         raise TypeError("stream is for arrays on a CUDA device, and the vertices lie on the host")
+    if is_double:
+        choose = partial(_choose_recipe, recipe, rays, may_split=False)
+        return build_double(vertices, faces, choose, updatable=updatable, validate=validate)
     points = as_vertices(vertices)
     corners = as_faces(faces, len(points.array))
     updatable = as_flag(updatable, "updatable")
@@ -244,6 +259,14 @@ def build(
         return Bvh(_place(_core.build(*arguments), points))
     tree = _core.build_updatable(*arguments)
     return Bvh(_place(tree.bvh, points), tree)
+
+
+def _is_double(precision: str) -> bool:
+    if not isinstance(precision, str):
+        raise TypeError(f"precision must be text, not {type(precision).__name__}")
+    if precision not in ("float32", "float64"):
+        raise ValueError(f'precision must be "float32" or "float64", not {precision!r}')
+    return precision == "float64"
 
 
 def _choose_recipe(recipe: str | None, rays: float | None, shape: tuple[int, ...], *, may_split: bool) -> str:

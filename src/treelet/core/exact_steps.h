@@ -16,13 +16,13 @@ struct TwoTerms {
   double high, low;  // high + low is exact, high its rounding
 };
 
-TREELET_HD inline TwoTerms two_sum(double a, double b) {
+TREELET_INLINE TwoTerms two_sum(double a, double b) {
   const double sum = a + b;
   const double b_part = sum - a;
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-TREELET_HD inline TwoTerms two_product(double a, double b) {
+TREELET_INLINE TwoTerms two_product(double a, double b) {
   const double product = a * b;
   return {product, std::fma(a, b, -product)};
 }

@@ -1,0 +1,2 @@
+#define TREELET_ISA baseline
+#include <treelet/traverse/traverse_double_kernel.inl>
