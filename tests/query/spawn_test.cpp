@@ -85,6 +85,22 @@ TEST(SpawnOrigin, IsFarEnoughForHugeDirectionsAndTinyTriangles) {
   }
 }
 
+/// Where floats are so dense that rounding the origin moves it by next to nothing, and slivers make
+/// t as inexact as it gets.
+TEST(SpawnOrigin, IsFarEnoughForSliversThroughZero) {
+  test::Random random(46);
+  for (int i = 0; i < 1000000; ++i) {
+    const Vec3 way = random.point(-1, 1);
+    const float width = std::ldexp(1.0f, -int(random.below(26)));
+    const float along = random.uniform(-1, 1), v = random.uniform(0, 0.3f);
+    const Triangle t{Vec3{0, 0, 0} - way, way, way * along + random.point(-width, width)};
+    if (classify(t) != TriangleKind::regular) continue;
+    const Vec3 direction = random.point(-1, 1);
+    const Vec3 origin = spawn_origin(t, 0.5f * (1 - v * (1 + along)), v, direction);
+    ASSERT_FALSE(meets({origin, direction, 0, kInf}, t)) << "seed 46, case " << i;
+  }
+}
+
 TEST(SpawnOrigin, StaysNearThePoint) {
   test::Random random(43);
   for (int i = 0; i < 100000; ++i) {
