@@ -3,7 +3,7 @@
 python bench/peers/python_queries.py --out out/python-queries crytek_sponza dragon sphere
 
 Everybody gets the same arrays in one process, in turn; the first round is not counted. Packages that are not
-installed are skipped with the reason: open3d, trimesh (with embreex; for points with rtree and scipy), libigl.
+installed are skipped with the reason: open3d, libigl, trimesh (with embreex; rtree and scipy for points).
 Rays start in and around the scene's box and aim into it, points lie in the box and a tenth around.
 """
 

@@ -58,9 +58,7 @@ def ask_trimesh(vertices: np.ndarray, faces: np.ndarray) -> dict[str, Ask]:
     trimesh = import_module("trimesh")
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     asks: dict[str, Ask] = {
-        "all_hits": lambda *rays: np.bincount(
-            mesh.ray.intersects_location(*rays)[1], minlength=len(rays[0])
-        )
+        "all_hits": lambda *rays: np.bincount(mesh.ray.intersects_location(*rays)[1], minlength=len(rays[0]))
     }
     try:
         import_module("rtree")

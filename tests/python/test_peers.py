@@ -221,7 +221,8 @@ class TestQueryRace:
             }
 
         ours = python_queries.CONTENDERS["treelet"]
-        monkeypatch.setattr(python_queries, "CONTENDERS", {"treelet": ours, "again": ours, "false": ask_false})
+        contenders = {"treelet": ours, "again": ours, "false": ask_false}
+        monkeypatch.setattr(python_queries, "CONTENDERS", contenders)
         monkeypatch.setitem(python_queries.SLOWER, ("again", "counts"), 4)
         mesh = scenes.make("sphere", 1000)
         timings = python_queries.race(mesh, python_queries.make_inputs(mesh, 40, 30), rounds=2)
@@ -239,5 +240,5 @@ class TestQueryRace:
             raise ImportError("no such package")
 
         monkeypatch.setattr(python_queries, "CONTENDERS", {"other": ask_nothing})
-        assert python_queries.load_contenders(scenes.make("sphere", 100)) == {}
+        assert python_queries.load_contenders(scenes.make("sphere", 1000)) == {}
         assert "skipped other: ImportError: no such package" in capsys.readouterr().err
