@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <treelet/primitive/power_of_two.h>
 #include <treelet/traverse/ray_box_steps.h>
 
 namespace treelet {
@@ -13,6 +14,22 @@ bool is_traceable(const DoubleRay& ray) {
   for (int axis = 0; axis < 3; ++axis) sum += ray.origin[axis] * 0.0 + ray.direction[axis] * 0.0;
   const bool is_finite = sum == 0.0;  // infinity and NaN times zero are NaN
   return is_finite && ray.direction != DoubleVec3{0, 0, 0} && ray.t_min <= ray.t_max;
+}
+
+/// std::ldexp(1.0, exponent), at once for all exponents that are not extreme.
+double two_to_the(int exponent) {
+  if (exponent < -1022 || exponent > 1023) return std::ldexp(1.0, exponent);
+  return power_of_two(exponent);
+}
+
+/// std::ilogb, likewise, for positive numbers.
+int exponent_of(double x) { return x < 0x1p-1022 ? std::ilogb(x) : floor_log2(x); }
+
+/// A direction scaled by 2^-exponent.
+DoubleVec3 scale_down(const DoubleVec3& v, int exponent) {
+  // One factor might be infinite.
+  const double first = two_to_the(-exponent / 2), second = two_to_the(-exponent - -exponent / 2);
+  return {v.x * first * second, v.y * first * second, v.z * first * second};
 }
 
 int largest_axis(const DoubleVec3& v) {
@@ -63,8 +80,8 @@ void set_up_box(DoubleRayBox& box, FramedRay ray, const Aabb& scene, int exponen
     box.start[i] = float(ray.start[i]);
     box.inverse[i] = float(std::copysign(1.0 / raised, ray.unit[i]));
   }
-  box.t_scale[0] = std::ldexp(1.0, exponent / 2);
-  box.t_scale[1] = std::ldexp(1.0, exponent - exponent / 2);
+  box.t_scale[0] = two_to_the(exponent / 2);
+  box.t_scale[1] = two_to_the(exponent - exponent / 2);
 }
 
 }  // namespace
@@ -73,12 +90,13 @@ bool prepare(const DoubleRay& ray, const BoxFrame& frame, const Aabb& scene,
              DoubleRaySetup& setup) {
   if (!is_traceable(ray)) return false;
   const int largest = largest_axis(ray.direction);
-  const int exponent = std::ilogb(ray.direction[largest]);
-  const double to_frame = std::ldexp(1.0, -frame.exponent);
+  const int exponent = exponent_of(std::fabs(ray.direction[largest]));
+  const double to_frame = two_to_the(-frame.exponent);
+  const DoubleVec3 unit = scale_down(ray.direction, exponent);
   FramedRay framed;
   for (int i = 0; i < 3; ++i) {
     framed.start[i] = (ray.origin[i] - frame.center[i]) * to_frame;
-    framed.unit[i] = std::ldexp(ray.direction[i], -exponent);
+    framed.unit[i] = unit[i];
   }
   set_up_box(setup.box, framed, scene, exponent - frame.exponent);
   setup.ray = &ray;

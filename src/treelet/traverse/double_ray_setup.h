@@ -22,13 +22,16 @@ struct DoubleRayBox {
   double t_scale[2];  ///< slab t of a ray's t: times both, less the shift
   double t_shift;
 
-  // Limits on the ray's t as limits on slab t, wider by what doubles round.
+  // Limits on the ray's t as limits on slab t, wider by what doubles round: t itself, of a hit, may
+  // have been rounded to a denormal.
   TREELET_INLINE float lower_limit(double t) const {
-    return -upper(-(t * t_scale[0] * t_scale[1]), -t_shift);
+    return -upper(-((t - kTiny) * t_scale[0] * t_scale[1]), -t_shift);
   }
   TREELET_INLINE float upper_limit(double t) const {
-    return upper(t * t_scale[0] * t_scale[1], t_shift);
+    return upper((t + kTiny) * t_scale[0] * t_scale[1], t_shift);
   }
+
+  static constexpr double kTiny = std::numeric_limits<double>::denorm_min();
 
  private:
   static TREELET_INLINE float upper(double time, double shift) {
@@ -53,12 +56,12 @@ struct DoubleRaySetup {
   double inner_z_min, inner_z_max;  ///< and none certainly inside of these is outside of them
 
   void set_lower_limit(double t) {
-    z_min = t * z_of_t - kSmallest;
-    inner_z_min = t * z_of_t + kSmallest;
+    z_min = (t - DoubleRayBox::kTiny) * z_of_t - kSmallest;
+    inner_z_min = (t + DoubleRayBox::kTiny) * z_of_t + kSmallest;
   }
   TREELET_INLINE void set_upper_limit(double t) {
-    z_max = t * z_of_t + kSmallest;
-    inner_z_max = t * z_of_t - kSmallest;
+    z_max = (t + DoubleRayBox::kTiny) * z_of_t + kSmallest;
+    inner_z_max = (t - DoubleRayBox::kTiny) * z_of_t - kSmallest;
     if (!(inner_z_max < kLarge)) inner_z_max = kLarge;  // infinity would be certain of nothing
     if (!(inner_z_max < kLarge * z_of_t)) inner_z_max = kLarge * z_of_t;  // t stays finite
   }

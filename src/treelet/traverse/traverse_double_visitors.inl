@@ -31,8 +31,9 @@ struct LongVector {
 /// and what underflows. Four times that.
 struct LongProduct {
   DoubleDouble value;
-  double error;
+  double error = 0.0;
 
+  LongProduct() = default;
   TREELET_INLINE LongProduct(const LongVector& a, const LongVector& p, const LongVector& q)
       : value(triple_product(a.xyz, p.xyz, q.xyz)),
         error(0x1p-97 * triple_product(a.sizes, p.sizes, q.sizes).value +
@@ -66,6 +67,10 @@ class Placing {
       second_.set(axis, DoubleDouble::difference(block.vertex[2][axis][lane], corner));
       direction_.set(axis, {ray.ray->direction[axis], 0.0});
     }
+    constexpr double kMost = 0x1p300;  // up to it, products of three do not overflow
+    const double size = to_corner_.size() + first_.size() + second_.size() + direction_.size();
+    is_moderate_ = size < kMost;
+    volume_ = LongProduct(direction_, first_, second_);
   }
 
   TREELET_INLINE double t() const {
@@ -80,12 +85,8 @@ class Placing {
 
  private:
   TREELET_INLINE double divided(const LongProduct& numerator, Place place) const {
-    constexpr double kMost = 0x1p300;  // products of three do not overflow
     double rounded;
-    const double size = to_corner_.size() + first_.size() + second_.size() + direction_.size();
-    if (size < kMost && divide(numerator, LongProduct(direction_, first_, second_), rounded)) {
-      return rounded;
-    }
+    if (is_moderate_ && divide(numerator, volume_, rounded)) return rounded;
     return place_exactly(ray_, block_, lane_, place);
   }
 
@@ -93,10 +94,20 @@ class Placing {
   const DoubleBlock& block_;
   const unsigned lane_;
   LongVector to_corner_, first_, second_, direction_;
+  LongProduct volume_;
+  bool is_moderate_;
 };
 
 TREELET_NOINLINE double find_t(const DoubleRaySetup& ray, const DoubleBlock& block, unsigned lane) {
   return Placing(ray, block, lane).t();
+}
+
+TREELET_NOINLINE void find_tuv(const DoubleRaySetup& ray, const DoubleBlock& block, unsigned lane,
+                               DoubleHit& hit) {
+  const Placing placing(ray, block, lane);
+  hit.t = placing.t();
+  hit.u = placing.u();
+  hit.v = placing.v();
 }
 
 TREELET_NOINLINE void find_uv(const DoubleRaySetup& ray, const DoubleBlock& block, unsigned lane,
@@ -212,10 +223,9 @@ class DoubleList : public FixedLimit {
     for (unsigned mask = verdict.possible; mask != 0; mask &= mask - 1) {
       const auto lane = unsigned(__builtin_ctz(mask));
       if ((verdict.inside >> lane & 1) == 0 && !crosses(ray, block, lane)) continue;
-      DoubleHit hit{find_t(ray, block, lane), 0.0, 0.0, std::int32_t(block.face[lane])};
-      if (!is_within(ray, hit.t)) continue;
-      find_uv(ray, block, lane, hit);
-      add_hit(hits_, hit);
+      DoubleHit hit{.face = std::int32_t(block.face[lane])};
+      find_tuv(ray, block, lane, hit);
+      if (is_within(ray, hit.t)) add_hit(hits_, hit);
     }
     return false;
   }
