@@ -7,6 +7,8 @@
 
 namespace treelet {
 
+constexpr float kMaxSbvhBudget = 1e6f;
+
 struct SbvhConfig {
   SahModel sah{};         ///< decides where space is split no further
   float budget = 100.0f;  ///< references added at most, in percent of those at first
