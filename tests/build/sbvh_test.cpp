@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <treelet/build/split_planes.h>
 #include <treelet/build/sweep.h>
 #include <treelet/layout/cover.h>
 #include <treelet/layout/leaf_collapse.h>
 #include <treelet/primitive/split_steps.h>
 
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -137,71 +137,33 @@ TEST(Sbvh, IsNearTheSweepWhereNothingOverlaps) {
   EXPECT_LT(sah(build(mesh)), 1.05 * collapsed_sah_cost(build_sweep(references), references, {}));
 }
 
+TEST(Sbvh, EndsWhereNoBudgetBinds) {
+  for (const test::OwnedMesh& mesh : {needles(3000), rails(30)}) {
+    const Built large = build(mesh, {.budget = 1e5f}), larger = build(mesh, {.budget = 1e6f});
+    EXPECT_TRUE(test::equal_bytes(large.tree, larger.tree));
+    EXPECT_GT(2 * large.references.size(), 3 * mesh.faces.size());
+    EXPECT_LT(large.references.size(), 100 * mesh.faces.size());
+    EXPECT_LT(sah(large), sah(build(mesh, {.budget = 100.0f})));
+  }
+}
+
+/// All pieces of a stack have equal boxes, so that only space can be split.
+TEST(Sbvh, EndsForTrianglesThatAreAllTheSame) {
+  test::OwnedMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 1, 1}, {0.001f, 0, 0}};
+  mesh.faces.assign(50, {0, 1, 2});
+  const Built built = build(mesh, {.budget = kMaxSbvhBudget});
+  EXPECT_TRUE(test::IsSound(built.tree, built.references));
+}
+
 TEST(Sbvh, RefusesBadParameters) {
   const test::OwnedMesh mesh = test::one_triangle();
   for (const SbvhConfig config : {SbvhConfig{.budget = -1.0f},
-                                  {.budget = 301.0f},
+                                  {.budget = 1e7f},
+                                  {.budget = std::numeric_limits<float>::infinity()},
                                   {.scene_overlap = -1.0f},
                                   {.node_overlap = -1.0f}}) {
     EXPECT_THROW(build(mesh, config), std::invalid_argument);
-  }
-}
-
-TEST(Bins, PartAnAxisIntoEqualIntervals) {
-  const Bins bins(2.0f, 10.0f, 16);
-  ASSERT_TRUE(bins.can_part());
-  EXPECT_EQ(bins.of(-5.0f), 0);
-  EXPECT_EQ(bins.of(2.0f), 0);
-  EXPECT_EQ(bins.of(10.0f), bins.count - 1);
-  for (int bin = 1; bin < bins.count; ++bin) {
-    EXPECT_EQ(bins.of(bins.plane(bin) + 0.01f), bin);
-    EXPECT_EQ(bins.of(bins.plane(bin) - 0.01f), bin - 1);
-  }
-}
-
-TEST(Bins, CannotPartWhatHasNoExtent) {
-  EXPECT_FALSE(Bins(1.0f, 1.0f, 8).can_part());
-  EXPECT_FALSE(Bins(1e30f, 1e30f, 8).can_part());
-  EXPECT_FALSE(Bins(0.0f, 1e-45f, 8).can_part());
-}
-
-TEST(SplitPlanes, AnObjectSplitSeparatesTwoClusters) {
-  std::vector<Aabb> boxes;
-  for (int i = 0; i < 10; ++i) {
-    const float x = float(i) + (i < 4 ? 0.0f : 100.0f);
-    boxes.push_back({{x, 0, 0}, {x + 1, 1, 1}});
-  }
-  const References references = test::references_of(boxes);
-  const ObjectSplit split = find_object_split(references.items);
-  ASSERT_TRUE(split.exists());
-  EXPECT_EQ(split.axis, 0);
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    EXPECT_EQ(split.goes_left(references.items[i]), i < 4);
-  }
-}
-
-TEST(SplitPlanes, EqualCentroidsHaveNoObjectSplit) {
-  const References references =
-      test::references_of({{{0, 0, 0}, {2, 2, 2}}, {{0.5f, 0.5f, 0.5f}, {1.5f, 1.5f, 1.5f}}});
-  EXPECT_FALSE(find_object_split(references.items).exists());
-}
-
-TEST(SplitPlanes, HalvesCoverTheReferenceAndLieInIt) {
-  const test::OwnedMesh mesh = needles(500);
-  const References references = create_references(mesh.view());
-  const Mesh view = mesh.view();
-  const SplitSource source{view, power_of_two(-references.scale_exponent)};
-  for (const Reference& reference : references.items) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const float plane = 0.5f * (reference.lower[axis] + reference.upper[axis]);
-      const ReferenceHalves halves = halve(reference, axis, plane, source);
-      for (const Aabb& half : {halves.below, halves.above}) {
-        EXPECT_TRUE(!is_nonempty(half) || reference.box().contains(half));
-      }
-      EXPECT_TRUE(!is_nonempty(halves.below) || halves.below.lower[axis] <= plane);
-      EXPECT_TRUE(!is_nonempty(halves.above) || halves.above.upper[axis] >= plane);
-      EXPECT_TRUE(is_nonempty(halves.below) || is_nonempty(halves.above));
-    }
   }
 }
 

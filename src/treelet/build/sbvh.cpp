@@ -7,239 +7,249 @@
 #include <utility>
 #include <vector>
 
-#include <treelet/build/spaced_tree.h>
-#include <treelet/build/split_planes.h>
+#include <treelet/build/branch.h>
+#include <treelet/build/sbvh_cut.h>
+#include <treelet/build/top_down.h>
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
 #include <treelet/primitive/split_steps.h>
-#include <treelet/tree/refit.h>
 
-// References live in one long array. A node owns places [begin, limit) of it, of which its
-// references fill the first ones; what is left is its share of the budget:
+// Nodes of many pieces are split level by level, each into arrays of their own; those of few are a
+// branch each, whose pieces lie on a stack:
 //
-//     node   |references.........|free...|
-//     left   |refs.....|free|              the free places go to the halves by their references
-//     right                 |refs......|free|
+//     | ... later nodes | node          |
+//     | ... later nodes | right | left  |        the left child comes next
 //
-// At the end places without a reference are left out (build/spaced_tree.h).
+// The budget is shared out to halves by their pieces. So what a node becomes depends on nothing but
+// itself, and memory is only taken for pieces that there are.
+//
+// It ends, for a node's pieces and its share of the budget, taken together, are always more than
+// those of a child: the halves share both, and each has a piece. Without a budget that binds it
+// ends soon, as the area of a frontier, summed over pieces, never grows: each split of space takes
+// a traversal's cost from it, times the area of a node that is at least `scene_overlap` of the
+// scene.
 
 namespace treelet {
 namespace {
 
-constexpr std::size_t kSerialReferences = 4096;
+using sbvh::Cut, sbvh::Cutter, sbvh::Half, sbvh::Halves, sbvh::Range;
 
-struct Range {
-  std::uint32_t begin = 0, end = 0, limit = 0;
-  std::uint32_t slot = kRoot;
-  bool may_split = true;  ///< space
+constexpr std::size_t kGrain = 1 << 13;
 
-  std::uint32_t count() const { return end - begin; }
-  std::uint32_t spare() const { return limit - end; }
-};
-
-/// The halves of a range, to be laid out.
-struct Halves {
-  std::vector<Reference> left, right;
-
-  void clear() {
-    left.clear();
-    right.clear();
+/// Splits a node by `part(cut)`, which gives halves: by space only if both get pieces and no more
+/// than the budget allows. Shares out what is left of it.
+template <class Part>
+Halves split(const Range& range, Cut& cut, Part&& part) {
+  const std::uint64_t most = range.pieces + range.spare;
+  Halves halves = part(cut);
+  const auto total = [&] { return std::uint64_t{halves[0].range.pieces} + halves[1].range.pieces; };
+  const auto is_one_sided = [&] {
+    return halves[0].range.pieces == 0 || halves[1].range.pieces == 0;
+  };
+  if (cut.space.exists() && (is_one_sided() || total() > most)) {
+    cut.space = {};
+    halves = part(cut);
   }
-  std::size_t count() const { return left.size() + right.size(); }
-  bool are_both() const { return !left.empty() && !right.empty(); }
-};
+  const std::uint64_t spare = most - total();
+  halves[0].range.spare = spare * halves[0].range.pieces / total();
+  halves[1].range.spare = spare - halves[0].range.spare;
+  for (Half& half : halves) half.range.may_split = cut.may_split;
+  return halves;
+}
 
-class SbvhBuilder {
+/// Grows a branch by one thread.
+class Grower {
  public:
-  SbvhBuilder(const References& references, const Mesh& mesh, const SbvhConfig& config)
-      : source_{mesh, power_of_two(-references.scale_exponent)},
-        config_(config),
-        least_overlap_(config.scene_overlap * half_area(references.bounds)),
-        count_(std::uint32_t(references.size())),
-        spaced_(capacity(references.size(), config.budget)) {
-    parallel_for(count_, kSerialReferences, [&](std::size_t i) {
-      const Reference& item = references.items[i];
-      spaced_.items[i] =
-          references.may_repeat_faces ? item : with_box(item, triangle(item).bounds());
-    });
+  Grower(const Cutter& cutter, Array<BinaryNode> pieces)
+      : cutter_(cutter), pieces_(std::move(pieces)), used_(pieces_.size()) {
+    branch_.reserve(used_);
   }
 
-  void run() {
-    std::vector<Range> level{{0, count_, std::uint32_t(spaced_.items.size()), kRoot, true}};
-    while (!level.empty()) level = process_level(level);
-  }
-
-  BinaryTree finish(References& references) const {
-    BinaryTree tree = spaced_.close_gaps(references);
-    references.may_repeat_faces = references.may_repeat_faces || references.size() > count_;
-    refit(tree, references);
-    return tree;
+  Branch run(Range root) {
+    root.slot = kRoot;
+    std::vector<Range> ranges{root};
+    while (!ranges.empty()) {
+      const Range range = ranges.back();
+      ranges.pop_back();
+      used_ -= range.pieces;
+      if (range.pieces == 1) {
+        branch_.set_leaf(range.slot, pieces_[used_]);
+        continue;
+      }
+      const std::array<Range, 2> children = split_top(range);
+      ranges.push_back(children[1]);
+      ranges.push_back(children[0]);
+    }
+    branch_.sum_up();
+    return std::move(branch_);
   }
 
  private:
-  /// Its box holds it; that of a reference that nobody has split is rounded to the nearest floats.
-  ExactTriangle triangle(const Reference& reference) const {
-    return {source_.mesh.triangle(reference.face), source_.scale};
-  }
-
-  static std::size_t capacity(std::size_t count, float budget) {
-    const double most = double(count) * (1.0 + double(budget) / 100.0);
-    return std::size_t(std::min(most, double(kMaxFaces)));
-  }
-
-  /// Small ranges are finished, large ones split once: the children make the next level.
-  std::vector<Range> process_level(const std::vector<Range>& level) {
-    std::vector<std::array<Range, 2>> children(level.size());
-    parallel_for(level.size(), 1, [&](std::size_t i) {
-      Halves halves;
-      if (level[i].count() <= kSerialReferences) {
-        finish_range(level[i], halves);
-      } else {
-        children[i] = split(level[i], halves);
-      }
+  /// Halves are made behind the node, then moved to where it was.
+  std::array<Range, 2> split_top(const Range& range) {
+    const std::size_t count = range.pieces, behind = used_ + count;
+    if (pieces_.size() < behind + 2 * count) grow_stack(behind + 2 * count);
+    const std::span<const BinaryNode> pieces(&pieces_[used_], count);
+    Cut cut = cutter_.choose(range, pieces);
+    Halves halves = split(range, cut, [&](const Cut& now) {
+      Halves parts{Half{&pieces_[behind + count]}, Half{&pieces_[behind]}};
+      cutter_.part(pieces, 0, now, parts);
+      return parts;
     });
-    std::vector<Range> next;
-    for (const auto& pair : children) {
-      if (pair[0].count() > 0) next.insert(next.end(), pair.begin(), pair.end());
+    const std::uint32_t left_slot = branch_.set_internal(range.slot);
+    for (const std::uint32_t side : {1, 0}) {
+      Half& half = halves[side];
+      std::copy_n(half.begin, half.range.pieces, &pieces_[used_]);
+      used_ += half.range.pieces;
+      half.range.slot = left_slot + side;
+    }
+    return {halves[0].range, halves[1].range};
+  }
+
+  void grow_stack(std::size_t least) {
+    Array<BinaryNode> larger(least);
+    std::copy(pieces_.begin(), pieces_.end(), larger.begin());
+    pieces_ = std::move(larger);
+  }
+
+  const Cutter& cutter_;
+  Array<BinaryNode> pieces_;  // a stack of which so many are used
+  std::size_t used_;
+  Branch branch_;
+};
+
+/// A node of many pieces, or the root of a branch.
+struct Bundle {
+  Range range;
+  Array<BinaryNode> pieces;
+};
+
+Bundle collect(const std::vector<Halves>& chunks, std::size_t side) {
+  Bundle bundle;
+  std::vector<std::uint32_t> begins;
+  for (const Halves& chunk : chunks) {
+    begins.push_back(bundle.range.pieces);
+    bundle.range.add(chunk[side].range);
+  }
+  bundle.pieces = Array<BinaryNode>(bundle.range.pieces);
+  parallel_for(chunks.size(), 1, [&](std::size_t i) {
+    const Half& half = chunks[i][side];
+    std::copy_n(half.begin, half.range.pieces, bundle.pieces.data() + begins[i]);
+  });
+  return bundle;
+}
+
+/// By all threads: chunks of the pieces are parted each on its own, to places that have room for
+/// two of each.
+std::array<Bundle, 2> split_bundle(const Bundle& bundle, const Cutter& cutter, BinaryNode* places) {
+  const std::span<const BinaryNode> pieces(bundle.pieces);
+  std::array<Bundle, 2> bundles;
+  Cut cut = cutter.choose(bundle.range, pieces);
+  const Halves halves = split(bundle.range, cut, [&](const Cut& now) {
+    std::vector<Halves> chunks((pieces.size() + kGrain - 1) / kGrain);
+    parallel_for_ranges(pieces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      Halves& chunk = chunks[begin / kGrain];
+      chunk = {Half{places + 2 * begin}, Half{places + begin + end}};
+      cutter.part(pieces.subspan(begin, end - begin), begin, now, chunk);
+    });
+    Halves sums;
+    for (const std::size_t side : {0, 1}) {
+      bundles[side] = collect(chunks, side);
+      sums[side] = {bundles[side].pieces.data(), bundles[side].range};
+    }
+    return sums;
+  });
+  for (const std::size_t side : {0, 1}) bundles[side].range = halves[side].range;
+  return bundles;
+}
+
+class SbvhBuilder {
+ public:
+  explicit SbvhBuilder(const Cutter& cutter) : cutter_(cutter) {}
+
+  BinaryTree run(Bundle root, References& references) {
+    std::vector<Bundle> level;
+    sort_in(std::move(root), level);
+    while (!level.empty()) level = split_level(level);
+    places_ = {};
+    std::vector<Branch> branches(roots_.size());
+    parallel_for(roots_.size(), 1, [&](std::size_t i) {
+      branches[i] = Grower(cutter_, std::move(roots_[i].pieces)).run(roots_[i].range);
+    });
+    return join_branches(top_, branches, references);
+  }
+
+ private:
+  /// The root of a branch waits; the others make the next level.
+  void sort_in(Bundle bundle, std::vector<Bundle>& level) {
+    if (bundle.range.pieces > kSerialItems) {
+      level.push_back(std::move(bundle));
+      return;
+    }
+    top_.set_leaf(bundle.range.slot, {{}, std::uint32_t(roots_.size()), {}, 0});
+    roots_.push_back(std::move(bundle));
+  }
+
+  std::vector<Bundle> split_level(std::vector<Bundle>& level) {
+    std::vector<std::array<Bundle, 2>> children(level.size());
+    std::vector<std::size_t> places{0};
+    for (const Bundle& bundle : level) places.push_back(places.back() + 2 * bundle.pieces.size());
+    if (places_.size() < places.back()) places_ = Array<BinaryNode>(places.back());
+    parallel_for(level.size(), 1, [&](std::size_t i) {
+      children[i] = split_bundle(level[i], cutter_, &places_[places[i]]);
+      level[i].pieces = {};
+    });
+    std::vector<Bundle> next;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      const std::uint32_t left_slot = top_.set_internal(level[i].range.slot);
+      for (const std::uint32_t side : {0, 1}) {
+        children[i][side].range.slot = left_slot + side;
+        sort_in(std::move(children[i][side]), next);
+      }
     }
     return next;
   }
 
-  void finish_range(const Range& range, Halves& halves) {
-    std::vector<Range> stack{range};
-    while (!stack.empty()) {
-      const Range top = stack.back();
-      stack.pop_back();
-      if (top.count() == 1) {
-        spaced_.set_leaf(top.slot, top.begin, top.limit);
-        continue;
-      }
-      const std::array<Range, 2> children = split(top, halves);
-      stack.push_back(children[1]);
-      stack.push_back(children[0]);
-    }
-  }
-
-  std::array<Range, 2> split(const Range& range, Halves& halves) {
-    const std::span<const Reference> references(&spaced_.items[range.begin], range.count());
-    const ObjectSplit object = find_object_split(references);
-    halves.clear();
-    const Aabb box = bound(references);
-    bool may_split = range.may_split && range.spare() > 0;
-    if (may_split && overlaps(object, box)) {
-      const SpatialSplit spatial = find_spatial_split(references, box, source_);
-      may_split = !is_leaf_cheaper(box, range.count(), std::min(object.cost, spatial.cost));
-      if (may_split && spatial.cost < object.cost) part_space(references, spatial, halves);
-      if (halves.count() > range.count() + range.spare()) halves.clear();
-    }
-    if (!halves.are_both()) part_objects(references, object, halves);
-    return lay_out(range, halves, may_split);
-  }
-
-  static Aabb bound(std::span<const Reference> references) {
-    Aabb box = Aabb::empty();
-    for (const Reference& reference : references) box = merge(box, reference.box());
-    return box;
-  }
-
-  bool overlaps(const ObjectSplit& split, const Aabb& box) const {
-    if (!split.exists()) return true;  // equal centroids: planes may part what objects cannot
-    const Aabb shared = overlap(split.left, split.right);
-    if (!is_nonempty(shared)) return false;
-    return half_area(shared) >= max(least_overlap_, config_.node_overlap * half_area(box));
-  }
-
-  bool is_leaf_cheaper(const Aabb& box, std::uint32_t count, float split_cost) const {
-    const float area = half_area(box);
-    return config_.sah.leaf_cost(area, count) <= config_.sah.internal_cost(area, split_cost);
-  }
-
-  /// References across the plane stay whole on one side where that is cheaper [Stich2009 s4.4].
-  void part_space(std::span<const Reference> references, const SpatialSplit& split,
-                  Halves& halves) const {
-    SpatialSplit now = split;
-    for (const Reference& reference : references) {
-      const ReferenceHalves parts = halve(reference, split.axis, split.plane, source_);
-      const bool has_below = is_nonempty(parts.below), has_above = is_nonempty(parts.above);
-      if (has_below && has_above) {
-        part_across(reference, parts, now, halves);
-      } else if (has_above) {
-        halves.right.push_back(with_box(reference, parts.above));
-      } else {
-        halves.left.push_back(has_below ? with_box(reference, parts.below) : reference);
-      }
-    }
-  }
-
-  static void part_across(const Reference& reference, const ReferenceHalves& parts,
-                          SpatialSplit& now, Halves& halves) {
-    const float left_area = half_area(now.left), right_area = half_area(now.right);
-    const float left_count = float(now.left_count), right_count = float(now.right_count);
-    const Aabb wider_left = merge(now.left, reference.box());
-    const Aabb wider_right = merge(now.right, reference.box());
-    const float both = left_area * left_count + right_area * right_count;
-    const float only_left = half_area(wider_left) * left_count + right_area * (right_count - 1);
-    const float only_right = left_area * (left_count - 1) + half_area(wider_right) * right_count;
-    if (both <= only_left && both <= only_right) {
-      halves.left.push_back(with_box(reference, parts.below));
-      halves.right.push_back(with_box(reference, parts.above));
-    } else if (only_left <= only_right) {
-      halves.left.push_back(reference);
-      now.left = wider_left;
-      now.right_count -= now.right_count > 1;  // counts of planes are rough
-    } else {
-      halves.right.push_back(reference);
-      now.right = wider_right;
-      now.left_count -= now.left_count > 1;
-    }
-  }
-
-  static Reference with_box(const Reference& reference, const Aabb& box) {
-    return {box.lower, reference.face, box.upper, reference.padding};
-  }
-
-  /// In the middle of their order where all centroids are equal.
-  static void part_objects(std::span<const Reference> references, const ObjectSplit& split,
-                           Halves& halves) {
-    halves.clear();
-    if (split.exists()) {
-      for (const Reference& reference : references) {
-        (split.goes_left(reference) ? halves.left : halves.right).push_back(reference);
-      }
-    } else {
-      const auto middle = references.begin() + std::ptrdiff_t(references.size() / 2);
-      halves.left.assign(references.begin(), middle);
-      halves.right.assign(middle, references.end());
-    }
-  }
-
-  std::array<Range, 2> lay_out(const Range& range, const Halves& halves, bool may_split) {
-    const std::uint32_t left = std::uint32_t(halves.left.size());
-    const std::uint32_t right = std::uint32_t(halves.right.size());
-    const std::uint64_t spare = range.limit - range.begin - left - right;
-    const std::uint32_t left_spare = std::uint32_t(spare * left / (left + right));
-    const std::uint32_t right_begin = range.begin + left + left_spare;
-    std::copy(halves.left.begin(), halves.left.end(), &spaced_.items[range.begin]);
-    std::copy(halves.right.begin(), halves.right.end(), &spaced_.items[right_begin]);
-    const std::uint32_t left_slot =
-        spaced_.set_internal(range.slot, range.begin, range.limit, right_begin);
-    return {Range{range.begin, range.begin + left, right_begin, left_slot, may_split},
-            Range{right_begin, right_begin + right, range.limit, left_slot + 1, may_split}};
-  }
-
-  const SplitSource source_;
-  const SbvhConfig& config_;
-  const float least_overlap_;
-  const std::uint32_t count_;
-  SpacedTree spaced_;
+  const Cutter& cutter_;
+  Branch top_;
+  Array<BinaryNode> places_;   // for halves, while a level is split
+  std::vector<Bundle> roots_;  // of branches
 };
 
+/// The references' exact boxes: those that nobody has split are rounded to the nearest floats.
+Bundle collect_pieces(const References& references, const SplitSource& source) {
+  Bundle bundle{{}, Array<BinaryNode>(references.size())};
+  const auto collect_some = [&](std::size_t begin, std::size_t end) {
+    Half half{&bundle.pieces[begin]};
+    for (std::size_t i = begin; i < end; ++i) {
+      const Reference& item = references.items[i];
+      const Aabb box = references.may_repeat_faces
+                           ? item.box()
+                           : ExactTriangle(source.mesh.triangle(item.face), source.scale).bounds();
+      half.put({box.lower, item.face, box.upper, 1});
+    }
+    return half.range;
+  };
+  bundle.range = parallel_reduce(references.size(), kGrain, Range{}, collect_some,
+                                 [](Range sum, const Range& part) {
+                                   sum.add(part);
+                                   return sum;
+                                 });
+  return bundle;
+}
+
+std::uint64_t spare_pieces(std::size_t count, float budget) {
+  const double most = double(count) * (1.0 + double(budget) / 100.0);
+  return std::uint64_t(std::min(most, double(kMaxFaces))) - count;
+}
+
 void check(const SbvhConfig& config) {
-  if (config.budget >= 0.0f && config.budget <= 300.0f && config.scene_overlap >= 0.0f &&
+  if (config.budget >= 0.0f && config.budget <= kMaxSbvhBudget && config.scene_overlap >= 0.0f &&
       config.node_overlap >= 0.0f) {
     return;
   }
-  throw std::invalid_argument("sbvh takes a budget of 0 to 300 percent and overlaps of at least 0");
+  throw std::invalid_argument("sbvh takes a budget of 0 to " + std::to_string(int(kMaxSbvhBudget)) +
+                              " percent and overlaps of at least 0");
 }
 
 }  // namespace
@@ -248,10 +258,15 @@ BinaryTree build_sbvh(References& references, const Mesh& mesh, const SbvhConfig
   check(config);
   if (references.size() == 0) return {};
   const Stage stage{"build sbvh"};
-  SbvhBuilder builder(references, mesh, config);
+  const std::size_t count = references.size();
+  const SplitSource source{mesh, power_of_two(-references.scale_exponent)};
+  Bundle root = collect_pieces(references, source);
+  root.range.spare = spare_pieces(count, config.budget);
   references.items = {};
-  builder.run();
-  return builder.finish(references);
+  const Cutter cutter(source, config, references.bounds);
+  BinaryTree tree = SbvhBuilder(cutter).run(std::move(root), references);
+  references.may_repeat_faces = references.may_repeat_faces || references.size() > count;
+  return tree;
 }
 
 }  // namespace treelet

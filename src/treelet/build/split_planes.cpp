@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include <treelet/core/parallel.h>
 #include <treelet/primitive/split_steps.h>
@@ -10,234 +12,268 @@
 namespace treelet {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 13;
+using Floats = BoxLanes::Floats;
+using Ints = BoxLanes::Ints;
 
-/// What falls into one bin. A reference across several begins in one and ends in another.
-struct Bin {
-  Aabb box;
+constexpr std::size_t kGrain = 1 << 13;
+constexpr int kChoppedBins = 16;  ///< of an axis at least, to cut boxes instead of triangles
+
+/// What falls into one bin. A piece across several begins in one and ends in another.
+struct PlaneBin {
+  BoxLanes box;
   std::uint32_t begin, end;
 
-  static Bin empty() { return {Aabb::empty(), 0, 0}; }
+  static PlaneBin empty() { return {BoxLanes::empty(), 0, 0}; }
 
-  void add(const Aabb& part) { box = merge(box, part); }
+  void add(const PlaneBin& other) {
+    box.add(other.box);
+    begin += other.begin;
+    end += other.end;
+  }
 };
 
-using AxisBins = std::array<Bin, Bins::kMost>;
+/// A power of two that floats may not hold, as a product of two that they do.
+struct RoughScale {
+  float first, second;
 
-/// The bins of all axes, the same number of each.
-struct BinSet {
-  int count = 0;
-  std::array<AxisBins, 3> axis;
+  explicit RoughScale(double scale)
+      : first(float(std::ldexp(1.0, std::ilogb(scale) / 2))), second(float(scale / first)) {}
+};
 
-  explicit BinSet(int bins) : count(bins) {}
+/// A triangle as floats: near enough to choose a plane by. What is built takes halve().
+struct RoughTriangle {
+  std::array<Floats, 3> vertex;
 
-  static BinSet merged(const BinSet& a, const BinSet& b) {
-    if (a.count == 0) return b;
-    BinSet sum = a;
+  RoughTriangle(const Mesh& mesh, std::uint32_t face, const RoughScale& scale) {
+    const Face& corners = mesh.faces[face];
     for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < std::size_t(a.count); ++k) {
-        Bin& bin = sum.axis[i][k];
-        bin.add(b.axis[i][k].box);
-        bin.begin += b.axis[i][k].begin;
-        bin.end += b.axis[i][k].end;
+      vertex[i] = BoxLanes::load(mesh.vertices[corners[i]]) * scale.first * scale.second;
+    }
+  }
+};
+
+Floats spread(float x) { return Floats{} + x; }
+
+/// Where planes across one axis cut a triangle. Its vertices are sorted along the axis: the edge
+/// from the lowest to the highest meets all planes between, the other two share them.
+template <int kAxis>
+class Slices {
+ public:
+  explicit Slices(const RoughTriangle& triangle)
+      : low(triangle.vertex[0]), middle(triangle.vertex[1]), high(triangle.vertex[2]) {
+    sort(low, middle);
+    sort(middle, high);
+    sort(low, middle);
+    along_ = (high - low) / (high[kAxis] - low[kAxis]);
+    below_ = (middle - low) / (middle[kAxis] - low[kAxis]);
+    above_ = (high - middle) / (high[kAxis] - middle[kAxis]);
+  }
+
+  /// Not a number where an edge lies in the plane; see add_parts.
+  BoxLanes at(float plane) const {
+    const Floats a = low + along_ * (plane - low[kAxis]);
+    const Floats b = low + below_ * (plane - low[kAxis]);
+    const Floats c = middle + above_ * (plane - middle[kAxis]);
+    const Floats other = spread(plane) < spread(middle[kAxis]) ? b : c;
+    return {BoxLanes::min(a, other), BoxLanes::max(a, other)};
+  }
+
+  Floats low, middle, high;
+
+ private:
+  /// Without branches, which nobody could predict.
+  static void sort(Floats& a, Floats& b) {
+    const Ints is_wrong = spread(b[kAxis]) < spread(a[kAxis]);
+    const Floats lower = is_wrong ? b : a;
+    b = is_wrong ? a : b;
+    a = lower;
+  }
+
+  Floats along_, below_, above_;  // steps of the edges, one unit of the axis long
+};
+
+bool is_nonempty(const BoxLanes& box) {
+  const Ints is = box.lower <= box.upper;
+  return (is[0] & is[1] & is[2]) != 0;
+}
+
+/// Only so many bins of each axis as the grid has are in use.
+class PlaneBinSet {
+ public:
+  using Axis = std::array<PlaneBin, kMaxPlaneBins>;
+
+  void clear(int bins) {
+    for (Axis& axis : axes_) std::fill_n(axis.begin(), bins, PlaneBin::empty());
+  }
+
+  void fill(std::span<const BinaryNode> pieces, const PlaneGrid& grid, const SplitSource& source) {
+    const RoughScale scale(source.scale);
+    const int most_chopped = grid.bins() >= kChoppedBins ? 1 : 0;
+    for (const BinaryNode& piece : pieces) {
+      const BoxLanes box = BoxLanes::load_box(piece);
+      const Ints first = grid.of(box.lower), last = grid.of(box.upper);
+      const Ints across = last - first;  // bins
+      if (std::max({across[0], across[1], across[2]}) <= most_chopped) {
+        add_chopped(box, first, last, grid);
+      } else {
+        const RoughTriangle triangle(source.mesh, piece.index, scale);
+        add<0>(first[0], last[0], box, triangle, grid);
+        add<1>(first[1], last[1], box, triangle, grid);
+        add<2>(first[2], last[2], box, triangle, grid);
       }
     }
-    return sum;
   }
+
+  void add(const PlaneBinSet& other, int bins) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < std::size_t(bins); ++k) axes_[i][k].add(other.axes_[i][k]);
+    }
+  }
+
+  const Axis& axis(int i) const { return axes_[std::size_t(i)]; }
+
+ private:
+  void add_whole(int axis, int bin, const BoxLanes& box) {
+    axes_[std::size_t(axis)][std::size_t(bin)].add({box, 1, 1});
+  }
+
+  /// Cuts the box instead of the triangle, which need not be read: a box across no more than two
+  /// bins of an axis is small beside the node.
+  void add_chopped(const BoxLanes& box, Ints first, Ints last, const PlaneGrid& grid) {
+    const Floats upper = BoxLanes::min(box.upper, grid.planes(first + 1));
+    const Floats lower = BoxLanes::max(box.lower, grid.planes(last));
+    for (int axis = 0; axis < 3; ++axis) {
+      BoxLanes below = box, above = box;
+      below.upper[axis] = upper[axis];
+      above.lower[axis] = lower[axis];
+      Axis& bins = axes_[std::size_t(axis)];
+      PlaneBin &in = bins[std::size_t(first[axis])], &out = bins[std::size_t(last[axis])];
+      in.box.add(below);
+      ++in.begin;
+      out.box.add(above);
+      ++out.end;
+    }
+  }
+
+  template <int kAxis>
+  void add(int first, int last, const BoxLanes& box, const RoughTriangle& triangle,
+           const PlaneGrid& grid) {
+    if (first == last) return add_whole(kAxis, first, box);
+    Axis& bins = axes_[kAxis];
+    ++bins[std::size_t(first)].begin;
+    ++bins[std::size_t(last)].end;
+    add_parts<kAxis>(bins, first, last, box, Slices<kAxis>(triangle), grid);
+  }
+
+  /// Puts into each bin the box of what lies there of a piece across several [Stich2009 s4.3]: of
+  /// the slices on both sides and of the vertices between. A slice that is not a number adds
+  /// nothing as the later one, and as the earlier one leaves all of the piece's box.
+  template <int kAxis>
+  static void add_parts(Axis& bins, int first, int last, const BoxLanes& box,
+                        const Slices<kAxis>& slices, const PlaneGrid& grid) {
+    const float lower = box.lower[kAxis], upper = box.upper[kAxis];
+    const float middle = slices.middle[kAxis];
+    const int middle_bin = lower <= middle && middle <= upper ? grid.of(slices.middle)[kAxis] : -1;
+    BoxLanes part = slices.low[kAxis] < lower ? slices.at(lower) : BoxLanes{slices.low, slices.low};
+    for (int bin = first; bin <= last; ++bin) {
+      const BoxLanes slice = bin < last                   ? slices.at(grid.plane(kAxis, bin + 1))
+                             : slices.high[kAxis] > upper ? slices.at(upper)
+                                                          : BoxLanes{slices.high, slices.high};
+      part.add(slice);
+      if (bin == middle_bin) part.add_point(slices.middle);
+      const BoxLanes inside{BoxLanes::max(box.lower, part.lower),
+                            BoxLanes::min(box.upper, part.upper)};
+      if (is_nonempty(inside)) bins[std::size_t(bin)].box.add(inside);
+      part = slice;
+    }
+  }
+
+  std::array<Axis, 3> axes_;
 };
 
-/// add(bins, reference) for each, on all threads where there are many.
-template <class Add>
-BinSet fill_bins(std::span<const Reference> references, int count, Add&& add) {
-  const auto fill = [&](std::size_t begin, std::size_t end) {
-    BinSet bins(count);
-    for (auto& axis : bins.axis) std::fill_n(axis.begin(), bins.count, Bin::empty());
-    for (const Reference& reference : references.subspan(begin, end - begin)) add(bins, reference);
-    return bins;
-  };
-  if (references.size() <= kGrain) return fill(0, references.size());
-  return parallel_reduce(references.size(), kGrain, BinSet(0), fill, BinSet::merged);
+/// Fills bins a chunk a task, and adds them up in order.
+void fill_in_parallel(std::span<const BinaryNode> pieces, const PlaneGrid& grid,
+                      const SplitSource& source, PlaneBinSet& bins) {
+  std::vector<PlaneBinSet> chunks((pieces.size() + kGrain - 1) / kGrain);
+  parallel_for_ranges(pieces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    PlaneBinSet& chunk = chunks[begin / kGrain];
+    chunk.clear(grid.bins());
+    chunk.fill(pieces.subspan(begin, end - begin), grid, source);
+  });
+  for (const PlaneBinSet& chunk : chunks) bins.add(chunk, grid.bins());
 }
 
-/// The best of the planes between bins, of each axis.
-struct PlaneChoice {
-  float cost = kNoSplit;
-  int axis = 0, bin = 0;
-  std::uint32_t imbalance = 0;  // decides between equal costs
-  Aabb left = Aabb::empty(), right = Aabb::empty();
-  std::uint32_t left_count = 0, right_count = 0;
+/// Looks at each plane of an axis with pieces on both sides.
+class PlaneSweep {
+ public:
+  PlaneSweep(const PlaneGrid& grid, int axis) : grid_(grid), axis_(axis) {}
 
-  bool better_than(const PlaneChoice& other) const {
-    return cost != other.cost ? cost < other.cost : imbalance < other.imbalance;
+  void run(const PlaneBinSet::Axis& bins, SpatialSplit& best) const {
+    const std::size_t count = std::size_t(grid_.bins());
+    std::array<PlaneBin, kMaxPlaneBins> above;
+    PlaneBin sum = PlaneBin::empty();
+    for (std::size_t k = count; k-- > 1;) {
+      sum.add(bins[k]);
+      above[k] = sum;
+    }
+    PlaneBin below = PlaneBin::empty();
+    for (std::size_t k = 1; k < count; ++k) {
+      below.add(bins[k - 1]);
+      if (below.begin > 0 && above[k].end > 0) consider(int(k), below, above[k], best);
+    }
   }
+
+ private:
+  void consider(int bin, const PlaneBin& below, const PlaneBin& above, SpatialSplit& best) const {
+    const float cost =
+        below.box.half_area() * float(below.begin) + above.box.half_area() * float(above.end);
+    const auto imbalance = std::max(below.begin, above.end);
+    if (cost > best.cost) return;
+    if (cost == best.cost && imbalance >= std::max(best.left_count, best.right_count)) return;
+    best = {cost, axis_, grid_.plane(axis_, bin), below.box, above.box, below.begin, above.end};
+  }
+
+  const PlaneGrid& grid_;
+  const int axis_;
 };
 
-float weigh(const Aabb& box, std::uint32_t count) {
-  return count == 0 ? 0.0f : half_area(box) * float(count);
-}
+}  // namespace
 
-void consider_axis(const AxisBins& bins, int count, int axis, PlaneChoice& best) {
-  std::array<Bin, Bins::kMost> right;  // from a bin to the last
-  Bin sum = Bin::empty();
-  for (int k = count; k-- > 1;) {
-    sum.add(bins[std::size_t(k)].box);
-    sum.end += bins[std::size_t(k)].end;
-    right[std::size_t(k)] = sum;
-  }
-  Bin left = Bin::empty();
-  for (int k = 1; k < count; ++k) {
-    left.add(bins[std::size_t(k) - 1].box);
-    left.begin += bins[std::size_t(k) - 1].begin;
-    const Bin& rest = right[std::size_t(k)];
-    if (left.begin == 0 || rest.end == 0) continue;
-    const PlaneChoice choice{weigh(left.box, left.begin) + weigh(rest.box, rest.end),
-                             axis,
-                             k,
-                             std::max(left.begin, rest.end),
-                             left.box,
-                             rest.box,
-                             left.begin,
-                             rest.end};
-    if (choice.better_than(best)) best = choice;
-  }
-}
-
-PlaneChoice choose_plane(const BinSet& set, const std::array<Bins, 3>& bins) {
-  PlaneChoice best;
+PlaneGrid::PlaneGrid(const BoxLanes& box, int bins) : lower_(box.lower), bins_(bins) {
+  lower_[3] = 0.0f;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t i = std::size_t(axis);
-    if (bins[i].can_part()) consider_axis(set.axis[i], set.count, axis, best);
+    const float from = box.lower[axis], to = box.upper[axis];
+    const float width = (to - from) / float(bins), scale = 1.0f / width;
+    // A width that is lost beside the coordinates would put planes outside.
+    const bool is_wide = width > 0.0f && from + width > from && to - width < to;
+    if (!is_wide || !(scale < std::numeric_limits<float>::max())) continue;
+    width_[axis] = width;
+    scale_[axis] = scale;
+  }
+}
+
+SpatialSplit find_spatial_split(std::span<const BinaryNode> pieces, const BoxLanes& box,
+                                const SplitSource& source) {
+  const PlaneGrid grid(box, plane_bins(pieces.size()));
+  PlaneBinSet bins;
+  bins.clear(grid.bins());
+  if (pieces.size() <= kGrain) {
+    bins.fill(pieces, grid, source);
+  } else {
+    fill_in_parallel(pieces, grid, source, bins);
+  }
+  SpatialSplit best;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (grid.can_part(axis)) PlaneSweep(grid, axis).run(bins.axis(axis), best);
   }
   return best;
 }
 
-std::array<Bins, 3> bins_over(const Aabb& box, int count) {
-  return {Bins(box.lower.x, box.upper.x, count), Bins(box.lower.y, box.upper.y, count),
-          Bins(box.lower.z, box.upper.z, count)};
-}
-
-Aabb bound_centroids(std::span<const Reference> references) {
-  const auto bound = [&](std::size_t begin, std::size_t end) {
-    Aabb box = Aabb::empty();
-    for (const Reference& reference : references.subspan(begin, end - begin)) {
-      box = merge(box, doubled_centroid(reference.box()));
-    }
-    return box;
-  };
-  if (references.size() <= kGrain) return bound(0, references.size());
-  return parallel_reduce(references.size(), kGrain, Aabb::empty(), bound,
-                         [](const Aabb& a, const Aabb& b) { return merge(a, b); });
-}
-
-/// A triangle as floats: near enough to choose a plane by. What is built takes halve().
-struct RoughTriangle {
-  std::array<Vec3, 3> vertex;
-
-  RoughTriangle(const Reference& reference, const SplitSource& source) {
-    const Triangle t = source.mesh.triangle(reference.face);
-    const auto scaled = [&](float x) { return float(x * source.scale); };
-    const auto at = [&](Vec3 p) { return Vec3{scaled(p.x), scaled(p.y), scaled(p.z)}; };
-    vertex = {at(t.p0), at(t.p1), at(t.p2)};
-  }
-};
-
-/// Puts into each bin the box of what lies there of a reference across several [Stich2009 s4.3]:
-/// each vertex into its bin, each point where an edge meets a plane into the bins on both sides.
-void add_parts(AxisBins& bins, const Bins& grid, int axis, const Reference& reference,
-               const RoughTriangle& triangle) {
-  const int first = grid.of(reference.lower[axis]), last = grid.of(reference.upper[axis]);
-  std::array<Aabb, Bins::kMost> parts;
-  for (int k = first; k <= last; ++k) parts[std::size_t(k)] = Aabb::empty();
-  const auto add = [&](int bin, Vec3 point) {
-    if (first <= bin && bin <= last) {
-      parts[std::size_t(bin)] = merge(parts[std::size_t(bin)], point);
-    }
-  };
-  for (std::size_t i = 0; i < 3; ++i) {
-    Vec3 p = triangle.vertex[i], q = triangle.vertex[(i + 1) % 3];
-    add(grid.of(p[axis]), p);
-    if (q[axis] < p[axis]) std::swap(p, q);
-    const int from = std::max(grid.of(p[axis]), first), to = std::min(grid.of(q[axis]), last);
-    const float length = q[axis] - p[axis];
-    for (int k = from; k < to; ++k) {
-      const Vec3 crossing = p + (q - p) * ((grid.plane(k + 1) - p[axis]) / length);
-      add(k, crossing);
-      add(k + 1, crossing);
-    }
-  }
-  ++bins[std::size_t(first)].begin;
-  ++bins[std::size_t(last)].end;
-  for (int k = first; k <= last; ++k) {
-    const Aabb part = overlap(parts[std::size_t(k)], reference.box());
-    if (is_nonempty(part)) bins[std::size_t(k)].add(part);
-  }
-}
-
-void add_to_axes(BinSet& set, const std::array<Bins, 3>& bins, const Reference& reference,
-                 const SplitSource& source) {
-  const RoughTriangle triangle(reference, source);
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t i = std::size_t(axis);
-    if (!bins[i].can_part()) continue;
-    const int first = bins[i].of(reference.lower[axis]);
-    if (first != bins[i].of(reference.upper[axis])) {
-      add_parts(set.axis[i], bins[i], axis, reference, triangle);
-      continue;
-    }
-    Bin& bin = set.axis[i][std::size_t(first)];
-    bin.add(reference.box());
-    ++bin.begin;
-    ++bin.end;
-  }
-}
-
-}  // namespace
-
-Bins::Bins(float from, float to, int intervals) : lower(from), count(intervals) {
-  const float width = (to - from) / float(count);
-  // A width that is lost beside the coordinates would put planes outside.
-  const bool is_wide = width > 0.0f && from + width > from && to - width < to;
-  scale = is_wide ? 1.0f / width : 0.0f;
-  if (!(scale < std::numeric_limits<float>::max())) scale = 0.0f;
-}
-
-ObjectSplit find_object_split(std::span<const Reference> references) {
-  const int count = bin_count(references.size());
-  const std::array<Bins, 3> bins = bins_over(bound_centroids(references), count);
-  const BinSet set = fill_bins(references, count, [&](BinSet& into, const Reference& reference) {
-    const Vec3 centroid = doubled_centroid(reference.box());
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::size_t i = std::size_t(axis);
-      Bin& bin = into.axis[i][std::size_t(bins[i].of(centroid[axis]))];
-      bin.add(reference.box());
-      ++bin.begin;
-      ++bin.end;
-    }
-  });
-  const PlaneChoice best = choose_plane(set, bins);
-  return {best.cost, best.axis, best.bin, bins[std::size_t(best.axis)], best.left, best.right};
-}
-
-SpatialSplit find_spatial_split(std::span<const Reference> references, const Aabb& box,
-                                const SplitSource& source) {
-  const int count = bin_count(references.size());
-  const std::array<Bins, 3> bins = bins_over(box, count);
-  const BinSet set = fill_bins(references, count, [&](BinSet& into, const Reference& reference) {
-    add_to_axes(into, bins, reference, source);
-  });
-  const PlaneChoice best = choose_plane(set, bins);
-  if (!(best.cost < kNoSplit)) return {};
-  return {best.cost,       best.axis,  bins[std::size_t(best.axis)].plane(best.bin),
-          best.left,       best.right, best.left_count,
-          best.right_count};
-}
-
-ReferenceHalves halve(const Reference& reference, int axis, float plane,
-                      const SplitSource& source) {
-  const Aabb box = reference.box();
+PieceHalves halve(const BinaryNode& piece, int axis, float plane, const SplitSource& source) {
+  const Aabb box = piece.box();
   if (plane <= box.lower[axis]) return {Aabb::empty(), box};
   if (plane >= box.upper[axis]) return {box, Aabb::empty()};
-  const ExactTriangle triangle(source.mesh.triangle(reference.face), source.scale);
+  const ExactTriangle triangle(source.mesh.triangle(piece.index), source.scale);
   const SplitBoxes whole = clip_at_plane(triangle, axis, plane);
   return {overlap(whole.below, box), overlap(whole.above, box)};
 }

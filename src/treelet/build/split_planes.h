@@ -5,64 +5,56 @@
 #include <limits>
 #include <span>
 
+#include <treelet/core/box_lanes.h>
 #include <treelet/mesh/mesh.h>
-#include <treelet/primitive/reference.h>
+#include <treelet/tree/binary_tree.h>
 
-// Where a node of references is parted best, judged at some planes an axis. Costs are areas times
-// references, summed over the two halves.
+// Where the space of a node is parted best, judged at planes between equal bins of all three axes
+// [Stich2009 s4.2]. Costs are areas times pieces, summed over the two halves. A piece is a leaf to
+// be: the box of a part of a face, and that face as index.
 
 namespace treelet {
 
-/// Equal intervals of an axis. A value beyond the ends belongs to the first or last.
-struct Bins {
-  static constexpr int kMost = 32;
-
-  float lower = 0.0f;
-  float scale = 0.0f;  ///< bins a unit; 0 where there is nothing to part
-  int count = 1;
-
-  Bins() = default;
-  Bins(float from, float to, int intervals);
-
-  bool can_part() const { return scale > 0.0f; }
-  int of(float x) const {
-    const float bin = (x - lower) * scale;
-    return bin < float(count - 1) ? (bin > 0.0f ? int(bin) : 0) : count - 1;
-  }
-  /// Between bin - 1 and bin.
-  float plane(int bin) const { return lower + float(bin) / scale; }
-};
-
-/// Few references need few planes: at the bottom of a tree bins would cost more than what they
-/// hold.
-constexpr int bin_count(std::size_t references) {
-  return references <= 4 ? 4 : references <= 16 ? 8 : references <= 128 ? 16 : Bins::kMost;
+/// Few pieces need few planes: at the bottom of a tree bins would cost more than what they hold.
+constexpr int kMaxPlaneBins = 32;
+constexpr int plane_bins(std::size_t pieces) {
+  return pieces <= 4 ? 4 : pieces <= 16 ? 8 : pieces <= 128 ? 16 : kMaxPlaneBins;
 }
 
-constexpr float kNoSplit = std::numeric_limits<float>::infinity();
+/// Equal intervals of all axes of a box, one axis a lane.
+class PlaneGrid {
+ public:
+  using Floats = BoxLanes::Floats;
+  using Ints = BoxLanes::Ints;
 
-/// References whose doubled centroid lies in a bin before `bin` go to the left.
-struct ObjectSplit {
-  float cost = kNoSplit;
-  int axis = 0, bin = 0;
-  Bins bins;
-  Aabb left = Aabb::empty(), right = Aabb::empty();
+  PlaneGrid(const BoxLanes& box, int bins);
 
-  bool exists() const { return cost < kNoSplit; }
-  bool goes_left(const Reference& reference) const {
-    return bins.of(doubled_centroid(reference.box())[axis]) < bin;
+  int bins() const { return bins_; }
+  bool can_part(int axis) const { return scale_[axis] > 0.0f; }
+  /// What lies outside of the box belongs to the first or last bin.
+  Ints of(Floats point) const {
+    const Floats bin = BoxLanes::max(Floats{}, (point - lower_) * scale_);
+    return __builtin_convertvector(BoxLanes::min(Floats{} + float(bins_ - 1), bin), Ints);
   }
+  /// Between bin - 1 and bin.
+  float plane(int axis, int bin) const { return lower_[axis] + float(bin) * width_[axis]; }
+  /// Of all axes.
+  Floats planes(Ints bins) const { return lower_ + __builtin_convertvector(bins, Floats) * width_; }
+
+ private:
+  Floats lower_, width_{}, scale_{};
+  int bins_;
 };
 
-/// What lies below the plane goes to the left; references across it go to both sides.
+/// What lies below the plane goes to the left; pieces across it go to both sides.
 struct SpatialSplit {
-  float cost = kNoSplit;
+  float cost = std::numeric_limits<float>::infinity();
   int axis = 0;
   float plane = 0.0f;
-  Aabb left = Aabb::empty(), right = Aabb::empty();
+  BoxLanes left = BoxLanes::empty(), right = BoxLanes::empty();
   std::uint32_t left_count = 0, right_count = 0;
 
-  bool exists() const { return cost < kNoSplit; }
+  bool exists() const { return left_count > 0; }
 };
 
 /// Reads triangles in build space.
@@ -71,17 +63,14 @@ struct SplitSource {
   double scale;
 };
 
-/// Exists unless all centroids are equal.
-ObjectSplit find_object_split(std::span<const Reference> references);
-
-/// `box` is that of the references.
-SpatialSplit find_spatial_split(std::span<const Reference> references, const Aabb& box,
+/// `box` is that of the pieces. Many of them are looked at in parallel.
+SpatialSplit find_spatial_split(std::span<const BinaryNode> pieces, const BoxLanes& box,
                                 const SplitSource& source);
 
-/// What a plane across a reference leaves of it on both sides; a side may be empty.
-struct ReferenceHalves {
+/// What a plane across a piece leaves of it on both sides; a side may be empty.
+struct PieceHalves {
   Aabb below, above;
 };
-ReferenceHalves halve(const Reference& reference, int axis, float plane, const SplitSource& source);
+PieceHalves halve(const BinaryNode& piece, int axis, float plane, const SplitSource& source);
 
 }  // namespace treelet

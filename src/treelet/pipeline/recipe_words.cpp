@@ -57,7 +57,8 @@ constexpr std::array<WordParameter, 2> kGridSahParameters{{
 }};
 
 constexpr std::array<WordParameter, 1> kSbvhParameters{{
-    {"budget", SbvhConfig{}.budget, 0, 300, "references added at most, in percent of those before"},
+    {"budget", SbvhConfig{}.budget, 0, kMaxSbvhBudget,
+     "references added at most, in percent of those before; what is not needed costs nothing"},
 }};
 
 constexpr std::array<WordParameter, 2> kReinsertParameters{{
