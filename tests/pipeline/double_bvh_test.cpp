@@ -69,7 +69,8 @@ void expect_same_answers(const test::NamedMesh& named) {
     if (given.t_min != 0.0f || given.t_max < std::numeric_limits<float>::infinity()) continue;
     EXPECT_EQ(double_closest.is_hit(), closest.is_hit()) << named.name;
     if (!closest.is_hit()) continue;
-    EXPECT_NEAR(double_closest.t, closest.t, 0x1p-22 * std::fabs(closest.t)) << named.name;
+    EXPECT_NEAR(double_closest.t, closest.t, 0x1p-22 * std::fabs(closest.t) + 0x1p-148)
+        << named.name;
   }
 }
 
