@@ -61,8 +61,10 @@ RTCBounds bounds_of(const Aabb& part) {
 
 void split_primitive(const RTCBuildPrimitive* primitive, unsigned axis, float position,
                      RTCBounds* left, RTCBounds* right, void* source) {
-  const ReferenceHalves parts = halve(reference_of(*primitive), int(axis), position,
-                                      *static_cast<const SplitSource*>(source));
+  const Reference reference = reference_of(*primitive);
+  const BinaryNode piece{reference.lower, reference.face, reference.upper, 1};
+  const PieceHalves parts =
+      halve(piece, int(axis), position, *static_cast<const SplitSource*>(source));
   *left = bounds_of(parts.below);
   *right = bounds_of(parts.above);
 }
