@@ -19,6 +19,8 @@ from ._device import (
     stream_address,
     work_stream,
 )
+from ._device_hit_lists import DeviceHitLists
+from ._device_point_queries import DevicePointQueries
 from ._device_queries import DeviceRayQueries
 from ._device_rays import require_float32
 from ._inputs import as_recipe
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 _INDEX_DTYPES = tuple(np.dtype(name) for name in ("int32", "uint32", "int64", "uint64"))
 
 
-class DeviceBvh(DeviceRayQueries):
+class DeviceBvh(DeviceRayQueries, DeviceHitLists, DevicePointQueries):
     """A bounding volume hierarchy on a CUDA device, with the answers of the CPU's `Bvh`, bit for bit.
 
     Takes arrays of torch, cupy, jax, numba or any library with `__cuda_array_interface__` that lie on the
