@@ -130,8 +130,7 @@ nb::object bounds(const cuda::DeviceBvh& bvh) {
 
 void bind_tree(nb::module_& module) {
   nb::class_<cuda::DeviceBvh> tree(module, "DeviceBvh");
-  tree
-      .def_prop_ro("report",
+  tree.def_prop_ro("report",
                    [](const cuda::DeviceBvh& bvh) { return describe_report(bvh.report()); })
       .def_prop_ro("bounds", bounds)
       .def_prop_ro("device", &cuda::DeviceBvh::device)

@@ -69,12 +69,14 @@ struct PointArguments {
       require_device(points, device, "points");
       if (radii != 0) require_device(radii, device, "max_distance");
     }
-    const auto stride = [&](std::size_t rows, std::size_t size) { return rows == count ? size : 0; };
-    return {.size = count,
-            .points = {pointer<const treelet::Vec3>(points),
-                       stride(point_rows, sizeof(treelet::Vec3))},
-            .radii = {pointer<const float>(radii), stride(radius_rows, sizeof(float))},
-            .all_radii = all_radii};
+    const auto stride = [&](std::size_t rows, std::size_t size) {
+      return rows == count ? size : 0;
+    };
+    return {
+        .size = count,
+        .points = {pointer<const treelet::Vec3>(points), stride(point_rows, sizeof(treelet::Vec3))},
+        .radii = {pointer<const float>(radii), stride(radius_rows, sizeof(float))},
+        .all_radii = all_radii};
   }
 };
 

@@ -39,12 +39,11 @@ class DeviceHitLists:
         reorder: bool = False,
         stream: Any = None,
     ) -> AllHits:
-        """Find all hits of each ray with t in [t_min, t_max]. As `Bvh.intersect_all`, for arrays as `intersect`.
+        """Find all hits of each ray with t in [t_min, t_max]. As `Bvh.intersect_all`.
 
         Rays are counted, the counts added up, and the hits written to where these sums say. The call waits
         once, between: only then is known how much memory the answer takes. Where triangles were split
-        (`presplit`, `sbvh`), and where there is more than `limit`, a ray with many hits is traced again for
-        every 64 of them or so.
+        (`presplit`, `sbvh`), a ray is traced again for every 64 or so of its hits.
 
         Args:
             origins: see `intersect`, as for all but limit.

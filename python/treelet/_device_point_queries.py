@@ -90,7 +90,10 @@ class DevicePointQueries:
         return self._answer_host(query, balls, ((),), (dtype,))[0]
 
     def _answer(
-        self, query: Callable[..., None], points: DevicePoints, dtypes: tuple[tuple[str, ...], tuple[str, ...]]
+        self,
+        query: Callable[..., None],
+        points: DevicePoints,
+        dtypes: tuple[tuple[str, ...], tuple[str, ...]],
     ) -> list[Any]:
         """Arrays of three values a point, then arrays of one."""
         if self._offset != ORIGIN:

@@ -163,8 +163,8 @@ TEST(DeviceAllHitsTest, AreThoseOfTheTreeAsItWasBuiltAndRebuiltThere) {
   const cuda::DeviceMesh view{vertices.data(), faces.data(), std::uint32_t(vertices.size()),
                               std::uint32_t(faces.size())};
   for (const char* recipe : {"lbvh > bvh2", "presplit(budget=50) > lbvh > cwbvh"}) {
-    cuda::DeviceBvh bvh = cuda::DeviceBvh::build(
-        view, parse_recipe(recipe), {.validate = false, .updatable = true}, kStream);
+    cuda::DeviceBvh bvh = cuda::DeviceBvh::build(view, parse_recipe(recipe),
+                                                 {.validate = false, .updatable = true}, kStream);
     const std::vector<Ray> rays = test::rays_at(moved.view(), 10, 17);
     const test::DeviceRays device_rays(rays);
     EXPECT_EQ(list_hits(bvh, device_rays.batch()),

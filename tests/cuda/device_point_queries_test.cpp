@@ -190,8 +190,8 @@ TEST(DevicePointsTest, SkipTrianglesThatARefitHides) {
   const cuda::DeviceMesh view{vertices.data(), faces.data(), std::uint32_t(vertices.size()),
                               std::uint32_t(faces.size())};
   for (const char* recipe : {"lbvh > bvh2", "lbvh > bvh8", "lbvh > cwbvh"}) {
-    cuda::DeviceBvh bvh = cuda::DeviceBvh::build(
-        view, parse_recipe(recipe), {.validate = false, .updatable = true}, kStream);
+    cuda::DeviceBvh bvh = cuda::DeviceBvh::build(view, parse_recipe(recipe),
+                                                 {.validate = false, .updatable = true}, kStream);
     bvh.refit(moved_vertices.data(), std::uint32_t(moved_vertices.size()), kStream);
     const std::vector<Vec3> points = test::points_around(mesh, 50, 3);
     const Bvh host = build(moved.view(), recipe);

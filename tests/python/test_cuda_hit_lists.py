@@ -1,4 +1,4 @@
-"""All hits of rays in device memory, and of rays that are sent there. Runs on a GPU, or on the emulated one."""
+"""All hits of rays in device memory, or sent there. Runs on a GPU, or on the emulated device."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,8 @@ def test_shapes_and_limits_are_those_of_the_cpu(soup, rays):
     t_max = np.linspace(0, 1, 500, dtype=np.float32).reshape(10, 50)
     given = on_device(origins), on_device(directions)
     assert_same(
-        bvh.intersect_all(*given, -0.5, on_device(t_max)), host.intersect_all(origins, directions, -0.5, t_max)
+        bvh.intersect_all(*given, -0.5, on_device(t_max)),
+        host.intersect_all(origins, directions, -0.5, t_max),
     )
     counts = bvh.count_hits(*given, -0.5, on_device(t_max))
     np.testing.assert_array_equal(counts.numpy(), host.count_hits(origins, directions, -0.5, t_max))
@@ -54,7 +55,9 @@ def test_shapes_and_limits_are_those_of_the_cpu(soup, rays):
 def test_no_rays_and_no_mesh_have_no_hits(soup, rays):
     none = np.empty((0, 3), np.float32)
     bvh, empty = build(soup), build((none, none.astype(np.uint32)))
-    assert_same(bvh.intersect_all(on_device(none), on_device(none)), treelet.build(*soup).intersect_all(none, none))
+    assert_same(
+        bvh.intersect_all(on_device(none), on_device(none)), treelet.build(*soup).intersect_all(none, none)
+    )
     assert bvh.count_hits(on_device(none), on_device(none)).shape == (0,)
     assert_same(bvh.intersect_all(none, none), treelet.build(*soup).intersect_all(none, none))
     hits = empty.intersect_all(*map(on_device, rays))
@@ -77,7 +80,11 @@ def test_rays_of_the_host_are_answered_in_numpy_arrays(soup, rays, monkeypatch, 
     some = [part[:60] for part in rays]
     for recipe in ("lbvh > bvh8", "presplit(budget=80) > lbvh > bvh2"):
         bvh, host = build(soup, recipe), treelet.build(*soup, recipe)
-        for arguments in (some, (some[0][0], some[1]), (some[0].reshape(6, 10, 3), some[1].reshape(6, 10, 3), -1)):
+        for arguments in (
+            some,
+            (some[0][0], some[1]),
+            (some[0].reshape(6, 10, 3), some[1].reshape(6, 10, 3), -1),
+        ):
             for limit in (None, 2):
                 hits = bvh.intersect_all(*arguments, limit=limit)
                 assert all(isinstance(values, np.ndarray) for values in hits)

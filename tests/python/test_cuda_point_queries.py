@@ -1,4 +1,4 @@
-"""Nearest points, inside and outside, of points in device memory. Runs on a GPU, or on the emulated one."""
+"""Nearest points, inside and outside, of points in device memory. Runs on a GPU, or on the emulated device."""
 
 import numpy as np
 import pytest
@@ -54,7 +54,9 @@ def test_shapes_and_largest_distances_are_those_of_the_cpu(sphere, points):
     assert_same(bvh.closest_point(on_device(some), on_device(radii)), host.closest_point(some, radii))
     assert_same(bvh.closest_point(on_device(some), 0.25), host.closest_point(some, 0.25))
     assert_same(bvh.closest_point(on_device(some[0, 0])), host.closest_point(some[0, 0]))
-    assert_same(bvh.closest_point(on_device(points[0]), on_device(radii)), host.closest_point(points[0], radii))
+    assert_same(
+        bvh.closest_point(on_device(points[0]), on_device(radii)), host.closest_point(points[0], radii)
+    )
 
 
 def test_no_points_and_no_mesh(sphere, points):
@@ -62,7 +64,9 @@ def test_no_points_and_no_mesh(sphere, points):
     bvh, empty = build(sphere), build((none, none.astype(np.uint32)))
     assert bvh.closest_point(on_device(none)).point.shape == (0, 3)
     assert bvh.contains(none).shape == (0,)
-    assert_same(empty.closest_point(on_device(points)), treelet.build(none, none.astype(int)).closest_point(points))
+    assert_same(
+        empty.closest_point(on_device(points)), treelet.build(none, none.astype(int)).closest_point(points)
+    )
     assert not empty.contains(on_device(points)).numpy().any()
 
 
@@ -98,7 +102,9 @@ def test_what_is_refused(sphere, points):
         bvh.distance(on_device(points[:, :2].copy()))
     with pytest.raises(TypeError, match="max_distance lies on a CUDA device and the points on the host"):
         bvh.closest_point(points, on_device(np.ones(len(points), np.float32)))
-    with pytest.raises(TypeError, match="max_distance must be a number, or an array on the CUDA device as the points"):
+    with pytest.raises(
+        TypeError, match="max_distance must be a number, or an array on the CUDA device as the points"
+    ):
         bvh.closest_point(on_device(points), np.ones(len(points)))
     with pytest.raises(ValueError, match="cannot be broadcast"):
         bvh.closest_point(on_device(points), on_device(np.ones(7, np.float32)))

@@ -45,7 +45,7 @@ class DeviceBvh::Impl {
   mutable BuildReport report;
   mutable bool has_statistics = false;
   mutable std::mutex report_mutex;
-  std::uint32_t depth = 0;  ///< of the layout, as far as the host knows
+  std::uint32_t depth = 0;     ///< of the layout, as far as the host knows
   bool repeats_faces = false;  ///< triangles may have been split
 
   TreeFacts facts() const { return {depth, repeats_faces}; }

@@ -81,10 +81,10 @@ void list_hits(const Layout& bvh, const TreeFacts& facts, const DeviceRayBatch& 
   });
 }
 
-#define TREELET_INSTANTIATE(Layout)                                                              \
-  template void count_hits(const Layout&, const TreeFacts&, const DeviceRayBatch&,               \
-                           std::uint32_t, std::int64_t*, Stream);                                \
-  template void list_hits(const Layout&, const TreeFacts&, const DeviceRayBatch&,                \
+#define TREELET_INSTANTIATE(Layout)                                                               \
+  template void count_hits(const Layout&, const TreeFacts&, const DeviceRayBatch&, std::uint32_t, \
+                           std::int64_t*, Stream);                                                \
+  template void list_hits(const Layout&, const TreeFacts&, const DeviceRayBatch&,                 \
                           const std::int64_t*, const HitArrays&, Stream);
 TREELET_INSTANTIATE(DeviceBvh2)
 TREELET_INSTANTIATE(DeviceBvh8)

@@ -45,8 +45,8 @@ void closest_point(const Layout& bvh, std::size_t depth, const DevicePointBatch&
                                  FindClosest<Layout>{bvh, points, answers});
 }
 
-#define TREELET_INSTANTIATE(Layout)                                                   \
-  template void closest_point(const Layout&, std::size_t, const DevicePointBatch&,    \
+#define TREELET_INSTANTIATE(Layout)                                                \
+  template void closest_point(const Layout&, std::size_t, const DevicePointBatch&, \
                               const ClosestPointArrays&, Stream);
 TREELET_INSTANTIATE(DeviceBvh2)
 TREELET_INSTANTIATE(DeviceBvh8)

@@ -57,11 +57,10 @@ void signed_distance(const Layout& bvh, const TreeFacts& facts, const DevicePoin
   count_from(bvh, facts, points, NegateInside{answers}, stream);
 }
 
-#define TREELET_INSTANTIATE(Layout)                                                       \
-  template void contains(const Layout&, const TreeFacts&, const DevicePointBatch&, bool*, \
-                         Stream);                                                         \
-  template void signed_distance(const Layout&, const TreeFacts&, const DevicePointBatch&, \
-                                float*, Stream);
+#define TREELET_INSTANTIATE(Layout)                                                                \
+  template void contains(const Layout&, const TreeFacts&, const DevicePointBatch&, bool*, Stream); \
+  template void signed_distance(const Layout&, const TreeFacts&, const DevicePointBatch&, float*,  \
+                                Stream);
 TREELET_INSTANTIATE(DeviceBvh2)
 TREELET_INSTANTIATE(DeviceBvh8)
 TREELET_INSTANTIATE(DeviceCwbvh)

@@ -28,7 +28,7 @@ def measure_queries(
     measurement are points where it asks for these.
     """
     rays = next(each for each in case.make_rays(settings.width) if each.kind == "diffuse")
-    inputs = {kind: (rays.origins, rays.directions) for kind in _OF_RAYS}
+    inputs = dict.fromkeys(_OF_RAYS, (rays.origins, rays.directions))
     points = _points_in_box(case, settings.call_rays)
     arrays = {kind: tuple(map(_send, inputs.get(kind, (points,)))) for kind in KINDS}
     some = {kind: tuple(part[:_CHECKED] for part in inputs.get(kind, (points,))) for kind in KINDS}
@@ -42,7 +42,11 @@ def measure_queries(
                 warn(f"{case.name}: {wrong} values of {kind} of {recipe.label} are not the CPU's")
             samples = [clock.time(lambda q=query, a=arrays[kind]: q(*a)) for _ in range(settings.repeats)]
             details = {"clock": clock.name, "checked": len(some[kind][0]), "disagreements": wrong}
-            fields = {"scene": case.mesh.name, "faces": len(case.mesh.faces), "rays": arrays[kind][0].shape[0]}
+            fields = {
+                "scene": case.mesh.name,
+                "faces": len(case.mesh.faces),
+                "rays": arrays[kind][0].shape[0],
+            }
             names = {"label": recipe.label, "recipe": treelet.parse_recipe(recipe.text)}
             yield Measurement(kind=kind, samples=samples, details=details, **fields, **names)
 
