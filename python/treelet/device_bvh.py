@@ -30,6 +30,7 @@ from .report import Report
 if TYPE_CHECKING:
     from .bvh import Bvh
 
+_ON_THE_CPU = ("stream_hits", "winding_number", "overlap_boxes", "overlap_spheres")
 _INDEX_DTYPES = tuple(np.dtype(name) for name in ("int32", "uint32", "int64", "uint64"))
 
 
@@ -145,6 +146,10 @@ class DeviceBvh(DeviceRayQueries, DeviceHitLists, DevicePointQueries):
         one in the same memory. Where the offset is zero, so is this.
         """
         return DeviceBvh(self._core, is_moved=self._is_moved, vertex_rounding=self._vertex_rounding)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        reason = f": it runs on the CPU alone, bvh.to('cpu').{name}(...)" if name in _ON_THE_CPU else ""
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{reason}")
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a tree on a CUDA device cannot be pickled: move it with bvh.to('cpu') first")

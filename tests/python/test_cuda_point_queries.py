@@ -1,4 +1,4 @@
-"""Nearest points, inside and outside, of points in device memory. Runs on a GPU, or on the emulated device."""
+"""Nearest points, inside and outside, of points in device memory. Runs on a GPU, or on the emulated one."""
 
 import numpy as np
 import pytest
@@ -110,3 +110,14 @@ def test_what_is_refused(sphere, points):
         bvh.closest_point(on_device(points), on_device(np.ones(7, np.float32)))
     with pytest.raises(TypeError, match="stream is for arrays on a CUDA device"):
         bvh.signed_distance(points, stream=0)
+
+
+def test_queries_that_are_not_there_say_where_they_are(sphere):
+    bvh = build(sphere)
+    for query in ("stream_hits", "winding_number", "overlap_boxes", "overlap_spheres"):
+        assert not hasattr(bvh, query)
+        with pytest.raises(AttributeError, match=rf"on the CPU alone, bvh\.to\('cpu'\)\.{query}"):
+            getattr(bvh, query)
+        assert hasattr(bvh.to("cpu"), query)
+    with pytest.raises(AttributeError, match=r"has no attribute 'nearest'$"):
+        _ = bvh.nearest
