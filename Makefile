@@ -58,7 +58,7 @@ test-cuda: $(STAMPS)/package
 	cmake --build --preset release --target treelet_emulated_python
 	$(BIN)/python tests/python/run_emulated.py build/release/emulated \
 	  tests/python/test_cuda_arrays.py tests/python/test_cuda_bench.py tests/python/test_cuda_host_rays.py \
-	  tests/python/test_cuda_offset.py \
+	  tests/python/test_cuda_hit_lists.py tests/python/test_cuda_offset.py tests/python/test_cuda_point_queries.py \
 	  tests/python/test_cuda_streams.py tests/python/test_render_cuda.py tests/python/test_cli_cuda.py
 
 lint: $(STAMPS)/lint ## Check formatting, style, layering and sizes
@@ -95,7 +95,7 @@ sanitize-thread: $(STAMPS)/native
 	ctest --preset tsan
 
 # Tracing spills what is alive across the call of the exact triangle test, which few triangles need.
-SPILLS := --allow-spill 'trace_rays*' 'visit_exactly*' '*triple_product*'
+SPILLS := --allow-spill 'trace_rays*' 'do_each_item*' 'visit_exactly*' '*triple_product*' '*exact_volume*'
 
 cuda: $(STAMPS)/cuda ## Compile the CUDA code, which needs no GPU, and list what its kernels use
 	@$(call configured,cuda)

@@ -25,6 +25,8 @@ CHECKED_TESTS = (
     "DeviceSort.*",
     "DeviceRayOrder.*",
     "StreamRays.AnswersAsOneBatch*",
+    "*DeviceAllHits.AreTheFirst*",
+    "*DevicePoints.CountUpTo*",
 )
 UNFINISHED = 3  # the benchmark's exit code where time ended before the measurements
 MARGIN = 20.0  # seconds that the benchmark has to end in
@@ -251,6 +253,7 @@ SLICES: dict[str, dict[str, Callable[[Runner], None]]] = {
     },
     "check": {"test": run_tests, "test-python": test_package} | {tool: sanitize(tool) for tool in CHECKS},
     "rays": {"bench-rays": measure("copy", "calls", "rays", "stream")},
+    "queries": {"bench-queries": measure("queries")},
     "builds": {"bench-builds": measure("copy", "builds")},
     "versus": {"bench-versus": measure("versus")},
     "profile": {"resources": list_resources, "counters": count},

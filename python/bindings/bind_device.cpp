@@ -14,6 +14,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "device_address.h"
+#include "device_arguments.h"
 #include "host_rays.h"
 #include "report.h"
 
@@ -22,18 +23,6 @@ namespace cuda = treelet::cuda;
 using namespace nb::literals;
 
 namespace {
-
-int device_of(Address address, const char* what) {
-  return cuda::device_of(pointer<const void>(address), what);
-}
-
-void require_device(Address address, int device, const char* what) {
-  const int actual = device_of(address, what);
-  if (actual == device) return;
-  throw std::invalid_argument(std::string(what) + " lie on device " + std::to_string(actual) +
-                              ", the rest on device " + std::to_string(device) +
-                              ": copy them there");
-}
 
 /// Faces as they come: indices of 4 bytes are used in place, those of 8 copied.
 class Faces {
@@ -71,38 +60,6 @@ cuda::DeviceBvh build(Address vertices, std::size_t vertex_count, Address faces,
                               std::uint32_t(vertex_count), std::uint32_t(face_count)};
   return cuda::DeviceBvh::build(mesh, parsed, {validate, updatable}, stream_of(stream));
 }
-
-/// What the Python layer says of some rays: (address, rows) of origins and directions, and
-/// (address, rows, value) of t_min and t_max; rows is 1 or the number of rays, address 0 means the
-/// value.
-struct RayArguments {
-  std::size_t count;
-  Address origins, directions, t_min, t_max;
-  std::size_t origin_rows, direction_rows, t_min_rows, t_max_rows;
-  float all_t_min, all_t_max;
-
-  cuda::DeviceRayBatch batch(int device) const {
-    if (count > 0) {
-      require_device(origins, device, "origins");
-      require_device(directions, device, "directions");
-      if (t_min != 0) require_device(t_min, device, "t_min");
-      if (t_max != 0) require_device(t_max, device, "t_max");
-    }
-    return {.size = count,
-            .origins = rows<treelet::Vec3>(origins, origin_rows),
-            .directions = rows<treelet::Vec3>(directions, direction_rows),
-            .t_min = rows<float>(t_min, t_min_rows),
-            .t_max = rows<float>(t_max, t_max_rows),
-            .all_t_min = all_t_min,
-            .all_t_max = all_t_max};
-  }
-
- private:
-  template <class T>
-  treelet::PerRay<T> rows(Address address, std::size_t row_count) const {
-    return {pointer<const T>(address), row_count == count ? sizeof(T) : 0};
-  }
-};
 
 void intersect(const cuda::DeviceBvh& bvh, const RayArguments& rays, Address t, Address face,
                Address u, Address v, Address stream, bool reorder) {
@@ -172,8 +129,8 @@ nb::object bounds(const cuda::DeviceBvh& bvh) {
 }
 
 void bind_tree(nb::module_& module) {
-  nb::class_<cuda::DeviceBvh>(module, "DeviceBvh")
-      .def_prop_ro("report",
+  nb::class_<cuda::DeviceBvh> tree(module, "DeviceBvh");
+  tree.def_prop_ro("report",
                    [](const cuda::DeviceBvh& bvh) { return describe_report(bvh.report()); })
       .def_prop_ro("bounds", bounds)
       .def_prop_ro("device", &cuda::DeviceBvh::device)
@@ -203,6 +160,8 @@ void bind_tree(nb::module_& module) {
       .def("stream_intersect", stream_intersect)
       .def("stream_occluded", stream_occluded)
       .def("stream_traversal_cost", stream_traversal_cost);
+  bind_device_hit_lists(tree);
+  bind_device_points(module, tree);
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ class Memory {
 nb::dlpack::dtype dtype_of(const std::string& name) {
   if (name == "float32") return nb::dtype<float>();
   if (name == "int32") return nb::dtype<std::int32_t>();
+  if (name == "int64") return nb::dtype<std::int64_t>();
   if (name == "uint32") return nb::dtype<std::uint32_t>();
   if (name == "bool") return nb::dtype<bool>();
   throw std::invalid_argument("no array of " + name + " leaves by DLPack");

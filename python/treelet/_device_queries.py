@@ -151,8 +151,7 @@ class DeviceRayQueries:
         enqueue, trace_from_host = queries
         device_rays = find_device_rays(*rays, stream)
         if device_rays is not None:
-            if self._offset != ORIGIN:
-                raise ValueError(_NOT_LOCAL)
+            require_local(self._offset)
             return self._enqueue(enqueue, device_rays, as_flag(reorder, "reorder"), dtypes)
         if stream is not None:
             raise TypeError("stream is for arrays on a CUDA device, and the rays lie on the host")
@@ -169,3 +168,9 @@ class DeviceRayQueries:
         query(rays.core, *outputs.addresses, stream.address, reorder)
         after_reading(rays.arrays, stream)
         return outputs.finish()
+
+
+def require_local(offset: Offset) -> None:
+    """Refuse rays on the device for a tree that has an offset."""
+    if offset != ORIGIN:
+        raise ValueError(_NOT_LOCAL)

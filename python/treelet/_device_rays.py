@@ -40,7 +40,7 @@ def find_device_rays(origins: Any, directions: Any, t_min: Any, t_max: Any, stre
         require_float32(array, name)
         if not array.shape or array.shape[-1] != 3:
             raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
-    parts = (points, vectors, _read_limit(t_min, "t_min"), _read_limit(t_max, "t_max"))
+    parts = (points, vectors, read_limit(t_min, "t_min"), read_limit(t_max, "t_max"))
     shape, rows = _match_shapes(*parts)
     addresses = [0 if isinstance(part, float) else part.address for part in parts]
     values = [limit if isinstance(limit, float) else 0.0 for limit in parts[2:]]
@@ -64,7 +64,8 @@ def _require_all_on_host(**parts: Any) -> None:
             )
 
 
-def _read_limit(limit: Any, name: str) -> DeviceArray | float:
+def read_limit(limit: Any, name: str, of: str = "rays") -> DeviceArray | float:
+    """A float32 array on the device, or the number that holds for all."""
     if type(limit) is float and (-_MAX_FLOAT32 <= limit <= _MAX_FLOAT32 or limit == math.inf):
         return limit
     array = find_device_array(limit, name)
@@ -74,7 +75,7 @@ def _read_limit(limit: Any, name: str) -> DeviceArray | float:
     number = np.asarray(limit)
     if number.ndim > 0 or number.dtype.kind not in "fiu":
         raise TypeError(
-            f"{name} must be a number, or an array on the CUDA device as the rays are, not a "
+            f"{name} must be a number, or an array on the CUDA device as the {of} are, not a "
             f"{type(limit).__name__} on the host"
         )
     with np.errstate(over="ignore"):  # beyond float32 is infinite, as on the host
@@ -91,14 +92,14 @@ def _match_shapes(
         return origins.shape[:-1], [count, count, 1, 1]
     shape = broadcast_rays(origins.shape, directions.shape, *limits)
     return shape, [
-        _count_rows(origins.shape, (*shape, 3), 3, "origins"),
-        _count_rows(directions.shape, (*shape, 3), 3, "directions"),
-        _count_rows(limits[0], shape, 1, "t_min"),
-        _count_rows(limits[1], shape, 1, "t_max"),
+        count_rows(origins.shape, (*shape, 3), 3, "origins"),
+        count_rows(directions.shape, (*shape, 3), 3, "directions"),
+        count_rows(limits[0], shape, 1, "t_min"),
+        count_rows(limits[1], shape, 1, "t_max"),
     ]
 
 
-def _count_rows(own: tuple[int, ...], whole: tuple[int, ...], width: int, name: str) -> int:
+def count_rows(own: tuple[int, ...], whole: tuple[int, ...], width: int, name: str) -> int:
     """1 for a row that all rays share, else the number of rays."""
     size = math.prod(own)
     if size == width:

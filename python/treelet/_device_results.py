@@ -13,7 +13,7 @@ from . import _core
 from ._device import LEGACY_STREAM, DeviceArray, WorkStream, stream_address
 
 _DLPACK_CUDA = 2  # the kind of device
-_DLPACK_DTYPES = ("float32", "int32", "uint32", "bool")
+_DLPACK_DTYPES = ("float32", "int32", "int64", "uint32", "bool")
 _DTYPES = {
     name: np.dtype(name) for name in ("float32", "float64", "int32", "uint32", "int64", "uint64", "bool")
 }

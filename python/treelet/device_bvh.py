@@ -19,6 +19,8 @@ from ._device import (
     stream_address,
     work_stream,
 )
+from ._device_hit_lists import DeviceHitLists
+from ._device_point_queries import DevicePointQueries
 from ._device_queries import DeviceRayQueries
 from ._device_rays import require_float32
 from ._inputs import as_recipe
@@ -28,10 +30,11 @@ from .report import Report
 if TYPE_CHECKING:
     from .bvh import Bvh
 
+_ON_THE_CPU = ("stream_hits", "winding_number", "overlap_boxes", "overlap_spheres")
 _INDEX_DTYPES = tuple(np.dtype(name) for name in ("int32", "uint32", "int64", "uint64"))
 
 
-class DeviceBvh(DeviceRayQueries):
+class DeviceBvh(DeviceRayQueries, DeviceHitLists, DevicePointQueries):
     """A bounding volume hierarchy on a CUDA device, with the answers of the CPU's `Bvh`, bit for bit.
 
     Takes arrays of torch, cupy, jax, numba or any library with `__cuda_array_interface__` that lie on the
@@ -143,6 +146,10 @@ class DeviceBvh(DeviceRayQueries):
         one in the same memory. Where the offset is zero, so is this.
         """
         return DeviceBvh(self._core, is_moved=self._is_moved, vertex_rounding=self._vertex_rounding)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        reason = f": it runs on the CPU alone, bvh.to('cpu').{name}(...)" if name in _ON_THE_CPU else ""
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{reason}")
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("a tree on a CUDA device cannot be pickled: move it with bvh.to('cpu') first")

@@ -29,7 +29,7 @@ struct Answer {
 };
 
 __device__ Answer ask(const GridCase& c) {
-  RayMemory<AnyHit> memory(c.ray);
+  RayMemory<AnyHit> memory{AnyHit(c.ray)};
   memory.set_up(c.ray, c.scene);
   const FusedSlabs& slabs = memory.state.slabs;
   const float limit = memory.state.limit;

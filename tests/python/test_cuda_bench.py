@@ -11,7 +11,7 @@ import pytest
 
 from treelet import cuda
 from treelet.bench.gpu import __main__ as command
-from treelet.bench.gpu import calls, cases, report, tasks, versus, workload
+from treelet.bench.gpu import calls, cases, queries, report, tasks, versus, workload
 from treelet.bench.gpu.clock import Driver, EventClock, HostClock, find_driver, make_clock, time_copies
 from treelet.bench.gpu.results import read_results
 
@@ -149,6 +149,8 @@ def test_every_part_measures_what_it_should(measured):
         "diffuse_versus",
         "stream",
     }
+    assert kinds >= set(queries.KINDS)
+    assert all(each.details["disagreements"] == 0 for kind in queries.KINDS for each in sphere.of_kind(kind))
     assert results.copy_rate > 0.0
     labels = {each.label.partition(",")[0] for each in sphere.of_kind("diffuse", "rays")}
     assert labels == {recipe.label for recipe in cases.list_recipes()}

@@ -155,7 +155,7 @@ def test_measurements_name_the_commit_that_the_package_is_made_of(runner, monkey
 
 
 def test_parts_of_the_benchmark_are_those_that_there_are(runner):
-    for slices in ("rays", "builds", "versus"):
+    for slices in ("rays", "queries", "builds", "versus"):
         for step in gpu_steps.SLICES[slices].values():
             step(runner)
     named = [part for command in runner.commands for part in command if part.startswith("--parts=")]

@@ -13,6 +13,7 @@
 
 #include "support/isas.h"
 #include "support/mesh_params.h"
+#include "support/mesh_points.h"
 #include "support/meshes.h"
 #include "support/random.h"
 #include "support/threads.h"
@@ -25,25 +26,7 @@ constexpr const char* kRecipes[] = {
     "lbvh > bvh2", "balanced", "lbvh > cwbvh", "sbvh > bvh2", "presplit > lbvh > bvh8",
     "sbvh > cwbvh"};
 
-std::vector<Vec3> points_around(const test::OwnedMesh& mesh, std::size_t count,
-                                std::uint64_t seed) {
-  test::Random random(seed);
-  std::vector<Vec3> points;
-  Aabb box{{0, 0, 0}, {1, 1, 1}};
-  for (const Vec3 vertex : mesh.vertices) {
-    if (is_finite(vertex)) box = merge(box, vertex);
-  }
-  const Vec3 extent = box.upper * 0.5f - box.lower * 0.5f,
-             middle = box.upper * 0.5f + box.lower * 0.5f;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float reach = i % 4 == 0 ? 30.0f : 1.5f;
-    const Vec3 p = random.point(-reach, reach);
-    points.push_back(middle + Vec3{p.x * extent.x, p.y * extent.y, p.z * extent.z});
-    if (mesh.vertices.empty()) continue;
-    points.push_back(mesh.vertices[random.below(mesh.vertices.size())]);  // on the surface
-  }
-  return points;
-}
+using test::points_around;
 
 /// Smallest squared distance, of equal ones of the smallest face, of all triangles.
 Nearest find_by_force(const Mesh& mesh, Vec3 point) {

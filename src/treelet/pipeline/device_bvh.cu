@@ -30,6 +30,12 @@ void require_numbers(const Recipe& recipe, const LayoutSize& size) {
       std::to_string(DeviceBvh8::kMaxItems) + ": use bvh2, larger leaves, or split the mesh");
 }
 
+/// More references than faces that have any.
+bool has_split_faces(const BuildReport& report) {
+  const std::size_t left_out = report.left_out_non_finite + report.left_out_degenerate;
+  return report.references + left_out != report.faces;
+}
+
 }  // namespace
 
 Outcome read_outcome(const BuildMemory& memory, Stream stream) {
@@ -108,6 +114,7 @@ DeviceBvh DeviceBvh::build(const DeviceMesh& mesh, const Recipe& recipe,
   auto impl = std::make_unique<Impl>();
   impl->report.recipe = recipe.text();
   impl->report.faces = mesh.face_count;
+  impl->repeats_faces = recipe.splitter.has_value();
   Workspace workspace(mesh.face_count, recipe, stream);
   const BuildMemory& memory = workspace.memory();
 
@@ -149,6 +156,7 @@ DeviceBvh DeviceBvh::upload(const Bvh& bvh, Stream stream) {
   impl->report.update = {};
   impl->has_statistics = true;
   impl->depth = bvh.report.tree.depth;
+  impl->repeats_faces = has_split_faces(bvh.report);
   impl->storage =
       std::visit([&](const auto& layout) { return upload_any(layout, stream); }, bvh.layout);
   return DeviceBvh(std::move(impl));

@@ -7,7 +7,9 @@
 #include <treelet/pipeline/bvh.h>
 #include <treelet/pipeline/recipe.h>
 #include <treelet/primitive/device_references.h>
+#include <treelet/query/closest_point.h>
 #include <treelet/query/device_intersect.h>
+#include <treelet/query/device_points.h>
 #include <treelet/query/ray_order.h>
 #include <treelet/query/stream_rays.h>
 
@@ -66,11 +68,30 @@ class DeviceBvh {
   void count_work(const DeviceRayBatch& rays, const WorkArrays& work, Stream stream,
                   RayOrder order = RayOrder::given) const;
 
+  // All crossings, as on the host (query/all_hits.h), in two steps: the first makes rays.size + 1
+  // offsets, waits, and returns the last, for so many hits there must be room; the second writes
+  // them. Of each ray the first hits up to a limit.
+  std::size_t offset_hits(const DeviceRayBatch& rays, std::uint32_t limit, std::int64_t* offsets,
+                          Stream stream, RayOrder order = RayOrder::given) const;
+  void list_hits(const DeviceRayBatch& rays, const std::int64_t* offsets, const HitArrays& hits,
+                 Stream stream, RayOrder order = RayOrder::given) const;
+  void count_hits(const DeviceRayBatch& rays, std::int64_t* counts, Stream stream,
+                  RayOrder order = RayOrder::given) const;
+
+  // One answer a point, as on the host; outputs are in device memory.
+  void closest_point(const DevicePointBatch& points, const ClosestPointArrays& answers,
+                     Stream stream) const;
+  void contains(const DevicePointBatch& points, bool* answers, Stream stream) const;
+  void signed_distance(const DevicePointBatch& points, float* answers, Stream stream) const;
+
   // Rays and answers on the host, sent to and fro in chunks (query/stream_rays.h). Wait.
   void intersect(const RayBatch& rays, const HitArrays& hits,
                  const StreamOptions& options = {}) const;
   void find_occluded(const RayBatch& rays, bool* occluded, const StreamOptions& options = {}) const;
   void count_work(const RayBatch& rays, const WorkArrays& work,
+                  const StreamOptions& options = {}) const;
+  /// Counts up to a limit.
+  void count_hits(const RayBatch& rays, std::uint32_t limit, std::int64_t* counts,
                   const StreamOptions& options = {}) const;
 
  private:

@@ -14,6 +14,7 @@
 #include <treelet/pipeline/device_build.h>
 #include <treelet/pipeline/device_bvh.h>
 #include <treelet/pipeline/device_storage.h>
+#include <treelet/query/device_all_hits.h>
 
 // What a DeviceBvh is made of, for the files that implement it.
 
@@ -44,7 +45,10 @@ class DeviceBvh::Impl {
   mutable BuildReport report;
   mutable bool has_statistics = false;
   mutable std::mutex report_mutex;
-  std::uint32_t depth = 0;  ///< of the layout, as far as the host knows
+  std::uint32_t depth = 0;     ///< of the layout, as far as the host knows
+  bool repeats_faces = false;  ///< triangles may have been split
+
+  TreeFacts facts() const { return {depth, repeats_faces}; }
 
   template <class Visit>
   void visit(Visit&& visit_layout) const {

@@ -32,6 +32,22 @@ void DeviceBvh::find_occluded(const DeviceRayBatch&, bool*, Stream, RayOrder) co
 void DeviceBvh::count_work(const DeviceRayBatch&, const WorkArrays&, Stream, RayOrder) const {
   throw_no_cuda();
 }
+std::size_t DeviceBvh::offset_hits(const DeviceRayBatch&, std::uint32_t, std::int64_t*, Stream,
+                                   RayOrder) const {
+  throw_no_cuda();
+}
+void DeviceBvh::list_hits(const DeviceRayBatch&, const std::int64_t*, const HitArrays&, Stream,
+                          RayOrder) const {
+  throw_no_cuda();
+}
+void DeviceBvh::count_hits(const DeviceRayBatch&, std::int64_t*, Stream, RayOrder) const {
+  throw_no_cuda();
+}
+void DeviceBvh::closest_point(const DevicePointBatch&, const ClosestPointArrays&, Stream) const {
+  throw_no_cuda();
+}
+void DeviceBvh::contains(const DevicePointBatch&, bool*, Stream) const { throw_no_cuda(); }
+void DeviceBvh::signed_distance(const DevicePointBatch&, float*, Stream) const { throw_no_cuda(); }
 void DeviceBvh::intersect(const RayBatch&, const HitArrays&, const StreamOptions&) const {
   throw_no_cuda();
 }
@@ -39,6 +55,10 @@ void DeviceBvh::find_occluded(const RayBatch&, bool*, const StreamOptions&) cons
   throw_no_cuda();
 }
 void DeviceBvh::count_work(const RayBatch&, const WorkArrays&, const StreamOptions&) const {
+  throw_no_cuda();
+}
+void DeviceBvh::count_hits(const RayBatch&, std::uint32_t, std::int64_t*,
+                           const StreamOptions&) const {
   throw_no_cuda();
 }
 

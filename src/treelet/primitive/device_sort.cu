@@ -27,8 +27,9 @@ void sort_in_buffers(void* temporary, std::size_t& bytes, Keys<Key>& keys, Value
 }
 
 /// Without memory it only sets `bytes`.
-void sum_in_memory(void* temporary, std::size_t& bytes, const std::uint32_t* values,
-                   std::uint32_t* sums, std::uint32_t count, Stream stream) {
+template <class Value, class Count>
+void sum_in_memory(void* temporary, std::size_t& bytes, const Value* values, Value* sums,
+                   Count count, Stream stream) {
   check(cub::DeviceScan::ExclusiveSum(temporary, bytes, values, sums, count, stream),
         "sum on the device");
 }
@@ -82,7 +83,8 @@ DeviceArray<std::uint32_t> sort_values(DeviceArray<std::uint32_t> keys,
 
 SumScratch carve_sum_scratch(Carver& carver, std::uint32_t capacity) {
   SumScratch scratch{};
-  sum_in_memory(nullptr, scratch.temporary_bytes, nullptr, nullptr, capacity, nullptr);
+  sum_in_memory<std::uint32_t>(nullptr, scratch.temporary_bytes, nullptr, nullptr, capacity,
+                               nullptr);
   scratch.temporary = carver.take<std::byte>(scratch.temporary_bytes);
   return scratch;
 }
@@ -92,6 +94,14 @@ void sum_before(const std::uint32_t* values, std::uint32_t* sums, std::uint32_t 
   if (count == 0) return;
   std::size_t bytes = scratch.temporary_bytes;
   sum_in_memory(scratch.temporary, bytes, values, sums, count, stream);
+}
+
+void sum_before(std::int64_t* values, std::size_t count, Stream stream) {
+  if (count == 0) return;
+  std::size_t bytes = 0;
+  sum_in_memory(nullptr, bytes, values, values, count, stream);
+  DeviceArray<std::byte> temporary(bytes, stream);
+  sum_in_memory(temporary.data(), bytes, values, values, count, stream);
 }
 
 }  // namespace treelet::cuda

@@ -41,4 +41,7 @@ SumScratch carve_sum_scratch(Carver& carver, std::uint32_t capacity);
 void sum_before(const std::uint32_t* values, std::uint32_t* sums, std::uint32_t count,
                 const SumScratch& scratch, Stream stream);
 
+/// The same in 64 bits and in place, for any number. Takes memory as it goes.
+void sum_before(std::int64_t* values, std::size_t count, Stream stream);
+
 }  // namespace treelet::cuda

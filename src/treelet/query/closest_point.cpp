@@ -1,11 +1,8 @@
 #include <treelet/query/closest_point.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include <treelet/core/parallel.h>
 #include <treelet/layout/child_view.h>
-#include <treelet/mesh/mesh.h>
+#include <treelet/query/closest_point_steps.h>
 #include <treelet/query/nearest_search.h>
 
 namespace treelet {
@@ -13,27 +10,10 @@ namespace {
 
 constexpr std::size_t kPointsPerTask = 1024;
 
-bool has_answer(Vec3 point, float max_distance) { return is_finite(point) && max_distance >= 0.0f; }
-
-Vec3 rounded(const point_steps::DoubleVector& p) { return {float(p.x), float(p.y), float(p.z)}; }
-
 template <class Layout>
 ClosestPoint describe(const Layout& bvh, Vec3 point, float max_distance, const Nearest& nearest) {
-  const double distance = std::sqrt(nearest.squared_distance);
-  if (nearest.is_none() || distance > double(std::numeric_limits<float>::max())) return {};
-  if (float(distance) > max_distance) return {};
-  const auto view = point_steps::view_from(point, triangle_at(bvh, nearest.position));
-  const auto found = point_steps::nearest_point(view);
-  return {rounded(point_steps::widen(point) + found.offset), float(distance),
-          std::int32_t(nearest.face), float(found.u), float(found.v)};
-}
-
-void put(const ClosestPointArrays& answers, std::size_t i, const ClosestPoint& answer) {
-  if (answers.point != nullptr) answers.point[i] = answer.point;
-  if (answers.distance != nullptr) answers.distance[i] = answer.distance;
-  if (answers.face != nullptr) answers.face[i] = answer.face;
-  if (answers.u != nullptr) answers.u[i] = answer.u;
-  if (answers.v != nullptr) answers.v[i] = answer.v;
+  if (!point_steps::is_within(nearest, max_distance)) return {};
+  return point_steps::describe(point, nearest, triangle_at(bvh, nearest.position));
 }
 
 /// Finds the nearest triangles of the k-th points that can have one.
@@ -49,17 +29,17 @@ class Task {
       const std::size_t i = order(k);
       const Vec3 point = points.points[i];
       const float max_distance = points.radii[i];
-      if (has_answer(point, max_distance)) {
+      if (point_steps::has_answer(point, max_distance)) {
         numbers_[count] = i;
         queries_[count++] = {point, point_steps::largest_square(max_distance)};
       } else {
-        put(answers, i, {});
+        point_steps::put(answers, i, {});
       }
     }
     searcher_.run({queries_, count}, found_);
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = numbers_[k];
-      put(answers, i, describe(bvh_, queries_[k].point, points.radii[i], found_[k]));
+      point_steps::put(answers, i, describe(bvh_, queries_[k].point, points.radii[i], found_[k]));
     }
   }
 
@@ -75,7 +55,7 @@ class Task {
 
 template <class Layout>
 ClosestPoint closest_point(const Layout& bvh, Vec3 point, float max_distance) {
-  if (!has_answer(point, max_distance)) return {};
+  if (!point_steps::has_answer(point, max_distance)) return {};
   const NearestQuery query{point, point_steps::largest_square(max_distance)};
   Nearest nearest;
   NearestSearcher<Layout>(bvh).run({&query, 1}, &nearest);

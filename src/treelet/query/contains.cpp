@@ -2,17 +2,13 @@
 
 #include <treelet/core/parallel.h>
 #include <treelet/query/closest_point.h>
+#include <treelet/query/contains_steps.h>
 #include <treelet/query/hit_counts.h>
 
 namespace treelet {
 namespace {
 
 constexpr std::size_t kGrain = 1 << 14;
-
-/// Nearly along an axis, which meets few boxes; but not quite, for many meshes have faces and edges
-/// along axes, which take exact arithmetic. Crossings at the origin count as ahead of it, so it is
-/// the side that the ray comes from that decides: larger coordinates.
-constexpr Vec3 kDirection{-1.0f, -0x1p-7f, -0x1p-8f};
 
 }  // namespace
 
@@ -22,7 +18,7 @@ void contains(const Layout& bvh, const PointBatch& points, bool* answers) {
   RayBatch rays;
   rays.size = points.size;
   rays.origins = points.points;
-  rays.directions = {&kDirection, 0};
+  rays.directions = {&kContainsDirection, 0};
   rays.order = order.data();
   Array<std::int64_t> counts(points.size);
   count_hits(bvh, rays, counts);

@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <span>
 
+#include <treelet/query/device_all_hits.h>
 #include <treelet/query/device_intersect.h>
 #include <treelet/query/stream_rays.h>
 
-// The three queries as values, so that batches can be cut into parts and be sent over in chunks
+// The queries of rays as values, so that batches can be cut into parts and be sent over in chunks
 // without saying each time what is asked. A query writes where it was made to; query(bvh, depth,
 // rays, first, stream) enqueues the answers to rays whose places begin at `first`.
 
@@ -60,6 +61,36 @@ struct WorkQuery {
   void operator()(const Layout& bvh, std::size_t depth, const DeviceRayBatch& rays,
                   std::size_t first, Stream stream) const {
     count_work(bvh, depth, rays, work.from(first), stream);
+  }
+};
+
+/// What it needs to know of the tree besides stays with the query.
+struct HitCountQuery {
+  std::int64_t* counts;
+  std::uint32_t limit;
+  TreeFacts facts;
+
+  std::array<AnswerArray, 1> answers() const { return {{{counts, sizeof(*counts)}}}; }
+  HitCountQuery into(std::span<void* const> arrays) const {
+    return {static_cast<std::int64_t*>(arrays[0]), limit, facts};
+  }
+  template <class Layout>
+  void operator()(const Layout& bvh, std::size_t, const DeviceRayBatch& rays, std::size_t first,
+                  Stream stream) const {
+    count_hits(bvh, facts, rays, limit, counts + first, stream);
+  }
+};
+
+/// Writes to where the offsets say.
+struct HitListQuery {
+  const std::int64_t* offsets;
+  HitArrays hits;
+  TreeFacts facts;
+
+  template <class Layout>
+  void operator()(const Layout& bvh, std::size_t, const DeviceRayBatch& rays, std::size_t first,
+                  Stream stream) const {
+    list_hits(bvh, facts, rays, offsets + first, hits, stream);
   }
 };
 

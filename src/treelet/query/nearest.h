@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include <treelet/core/platform.h>
 #include <treelet/core/vec.h>
 
 namespace treelet {
@@ -25,7 +26,7 @@ struct Nearest {
   std::uint32_t face = kNone;
   std::uint32_t position = 0;  ///< of the triangle in the layout
 
-  bool is_none() const { return face == kNone; }
+  TREELET_HD bool is_none() const { return face == kNone; }
 };
 
 }  // namespace treelet

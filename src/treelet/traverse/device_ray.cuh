@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include <treelet/core/aabb.h>
 #include <treelet/core/ray.h>
+#include <treelet/traverse/crossing_steps.h>
 #include <treelet/traverse/ray_box.h>
 #include <treelet/traverse/ray_box_steps.h>
 #include <treelet/traverse/ray_triangle.h>
 #include <treelet/traverse/ray_triangle_steps.h>
+#include <treelet/traverse/visitors.h>
 #include <treelet/core/launch.cuh>
 #include <treelet/traverse/fused_slabs.cuh>
 
@@ -34,7 +37,7 @@ struct RayMemory {
   SlabTime time;
   Visitor visitor;
 
-  __device__ explicit RayMemory(const Ray& ray) : visitor(ray) {}
+  __device__ explicit RayMemory(const Visitor& start) : visitor(start) {}
 
   /// For a ray that is traceable. Not before: a tree without nodes has no bounds.
   __device__ void set_up(const Ray& ray, const Aabb& scene) {
@@ -50,11 +53,31 @@ struct RayMemory {
   __device__ void update_limit() { state.limit = time.upper_limit(visitor.t_limit()); }
 };
 
+/// Base of visitors that look for crossings (traverse/crossing.h), not for hits.
+struct CrossingVisitor : NoCounting {
+  float t_min, t_max;
+
+  __device__ explicit CrossingVisitor(const Ray& ray) : t_min(ray.t_min), t_max(ray.t_max) {}
+  __device__ bool is_within_limits(const TriangleHit& hit) const {
+    return hit.t >= t_min && hit.t <= t_max;
+  }
+};
+
+/// Whether the ray's whole line meets a triangle, by the rule that the visitor wants.
+template <class Visitor>
+__device__ bool meets_exactly(const RayShear& ray, const Triangle& triangle, TriangleHit& hit) {
+  if constexpr (std::is_base_of_v<CrossingVisitor, Visitor>) {
+    return crossing_steps::cross(ray, triangle, hit);
+  } else {
+    return ray_triangle_steps::intersect(ray, triangle, hit);
+  }
+}
+
 /// True when the visitor is done. Out of line, so that its doubles take no registers elsewhere.
 template <class Visitor>
 __device__ __noinline__ bool visit_exactly(RayMemory<Visitor>& memory, Candidate candidate) {
   TriangleHit hit;
-  if (!ray_triangle_steps::intersect(memory.state.shear, candidate.triangle, hit)) return false;
+  if (!meets_exactly<Visitor>(memory.state.shear, candidate.triangle, hit)) return false;
   if (memory.visitor.visit(candidate.face, hit)) return true;
   memory.update_limit();
   return false;

@@ -4,9 +4,10 @@
 
 Parts: "copy", the bandwidth of the device's memory; "calls", what a call from Python costs; "rays", primary,
 diffuse and occlusion rays through every recipe, layout and order; "stream", rays from the host's memory;
-"builds", by stage, and updates of trees whose vertices moved; "versus", other tracers on the same rays. But
-for "stream" all that a call takes lies on the device already. Needs no array library. What the file of
---output holds already is not measured again, so that a run that ended early goes on.
+"queries", all hits, nearest points and containment; "builds", by stage, and updates of trees whose vertices
+moved; "versus", other tracers on the same rays. But for "stream" all that a call takes lies on the device
+already. Needs no array library. What the file of --output holds already is not measured again, so that a run
+that ended early goes on.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from treelet.bench.gpu.queries import KINDS as QUERIES
 from treelet.bench.gpu.results import Results, Scene, table
 from treelet.bench.records import Measurement
 
@@ -22,6 +23,7 @@ def sections(results: Results) -> Iterator[tuple[str, list[str]]]:
     yield "Bytes of rays against copies", ray_limits(results)
     yield "Calls from Python, microseconds", calls(results)
     yield "Rays from the host", streams(results)
+    yield "Other queries, millions a second", queries(results)
     yield "Other tracers, Grays/s", versus(results)
 
 
@@ -143,6 +145,17 @@ def streams(results: Results) -> list[str]:
             cells = [f"{each.rays:,}", f"{each.rays_per_second / 1e9:.3f}", f"{speed / 1e9:.1f}"]
             rows.append([scene.name, each.label, *cells])
     return table(["scene", "recipe", "rays", "Grays/s", "GB/s copied"], rows, left=2)
+
+
+def queries(results: Results) -> list[str]:
+    """Rays or points whose answers are found, a column a query."""
+    rows = []
+    for scene, measurements in results.measured(QUERIES[0]):
+        for label in dict.fromkeys(each.label for each in measurements):
+            found = [scene.find(kind, label) for kind in QUERIES]
+            rates = (f"{each.rays_per_second / 1e6:.1f}" if each else "" for each in found)
+            rows.append([scene.name, label, *rates])
+    return table(["scene", "recipe", *(kind.replace("_", " ") for kind in QUERIES)], rows, left=2)
 
 
 def versus(results: Results) -> list[str]:

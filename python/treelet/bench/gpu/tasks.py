@@ -13,6 +13,7 @@ from treelet.bench.gpu.builds import measure_builds
 from treelet.bench.gpu.calls import measure_calls
 from treelet.bench.gpu.cases import Case, Recipe, Settings, list_cases, warn
 from treelet.bench.gpu.clock import Clock, Driver, find_driver, make_clock, time_copies
+from treelet.bench.gpu.queries import measure_queries
 from treelet.bench.gpu.rays import measure_rays
 from treelet.bench.gpu.stream import measure_stream
 from treelet.bench.gpu.versus import measure_versus
@@ -46,6 +47,7 @@ PARTS: dict[str, Part] = {
     "calls": Part(measure_calls, ("sphere",), (10_000,), "lbvh > "),
     "rays": Part(measure_rays, GOAL_SCENES, (1_000_000,)),
     "stream": Part(measure_stream, ("city",), (1_000_000,), "lbvh > treelet"),
+    "queries": Part(measure_queries, ("city", "dragon"), (1_000_000,), "lbvh > treelet"),
     "builds": Part(measure_builds, ("city", "forest", "terrain", "sphere"), _SIZES),
     "versus": Part(measure_versus, GOAL_SCENES, (1_000_000,), "lbvh > "),
 }
