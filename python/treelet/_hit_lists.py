@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from operator import index
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._compiled_tree import CompiledTree
-from ._inputs import FloatArray, Rays, as_flag, as_rays
+from ._inputs import FloatArray, Rays, as_count, as_flag, as_rays
 
 _NO_LIMIT = 2**63 - 1
 _RAYS_PER_COUNT = 2**18  # rays whose hits are counted at a time before they are listed
@@ -94,7 +93,7 @@ class HitLists(CompiledTree):
             RuntimeError: while another thread updates the tree.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
+        most = _as_limit(limit)
         return self._list_hits(rays, most, as_flag(reorder, "reorder"))
 
     def count_hits(
@@ -144,8 +143,10 @@ class HitLists(CompiledTree):
             updated before the iterator ends, that raises a RuntimeError.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
-        return self._chunks(rays, most, _as_count(max_hits, "max_hits"), as_flag(reorder, "reorder"))
+        most = _as_limit(limit)
+        return self._chunks(
+            rays, most, min(as_count(max_hits, "max_hits"), _NO_LIMIT), as_flag(reorder, "reorder")
+        )
 
     def _chunks(self, rays: Rays, limit: int, max_hits: int, reorder: bool) -> Iterator[HitChunk]:
         count, updates = rays.arguments[0], self._updates
@@ -176,13 +177,5 @@ def _part(rays: Rays, begin: int, end: int) -> Rays:
     return Rays((end - begin,), arguments)
 
 
-def _as_count(value: object, name: str) -> int:
-    if isinstance(value, bool | np.bool_):
-        raise TypeError(f"{name} must be a whole number, not {type(value).__name__}")
-    try:
-        count = index(value)  # type: ignore[arg-type]
-    except TypeError:
-        raise TypeError(f"{name} must be a whole number, not {type(value).__name__}") from None
-    if count < 1:
-        raise ValueError(f"{name} must be at least 1, not {count}")
-    return min(count, _NO_LIMIT)
+def _as_limit(limit: int | None) -> int:
+    return _NO_LIMIT if limit is None else min(as_count(limit, "limit"), _NO_LIMIT)
