@@ -57,8 +57,9 @@ test-cuda: $(STAMPS)/package
 	@cmake --preset release --log-level=WARNING > /dev/null  # again: it may find nanobind now
 	cmake --build --preset release --target treelet_emulated_python
 	$(BIN)/python tests/python/run_emulated.py build/release/emulated \
-	  tests/python/test_cuda_arrays.py tests/python/test_cuda_bench.py tests/python/test_cuda_host_rays.py \
-	  tests/python/test_cuda_hit_lists.py tests/python/test_cuda_offset.py tests/python/test_cuda_point_queries.py \
+	  tests/python/test_cuda_arrays.py tests/python/test_cuda_array_checks.py tests/python/test_cuda_bench.py \
+	  tests/python/test_cuda_host_rays.py tests/python/test_cuda_hit_lists.py tests/python/test_cuda_offset.py \
+	  tests/python/test_cuda_point_queries.py \
 	  tests/python/test_cuda_streams.py tests/python/test_render_cuda.py tests/python/test_cli_cuda.py
 
 lint: $(STAMPS)/lint ## Check formatting, style, layering and sizes

@@ -21,7 +21,10 @@ WANTED_FILES = (
     r"treelet/py\.typed",
     r"treelet/_core\.pyi",
     r"treelet/_core[^/]*\.(so|pyd)",
-    r"treelet-[^/]*\.dist-info/licenses/LICENSE",
+    *(
+        rf"treelet-[^/]*\.dist-info/licenses/{name}"
+        for name in ("LICENSE", "NOTICE", r"LICENSES/nanobind\.txt")
+    ),
 )
 
 # Runs in the fresh environment. The time of an import is told, not judged: it is mostly numpy's.

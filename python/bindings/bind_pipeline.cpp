@@ -116,7 +116,8 @@ void bind_pipeline(nb::module_& module) {
   nb::class_<treelet::UpdatableBvh>(module, "UpdatableBvh")
       .def_prop_ro("bvh", &treelet::UpdatableBvh::bvh, nb::rv_policy::reference_internal)
       .def("refit", refit, "vertices"_a.noconvert())
-      .def("rebuild", rebuild, "vertices"_a.noconvert());
+      .def("rebuild", rebuild, "vertices"_a.noconvert())
+      .def("require_vertex_count", &treelet::UpdatableBvh::require_vertex_count, "count"_a);
   module.def("build", build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "recipe"_a,
              "validate"_a);
   module.def("build_updatable", build_updatable, "vertices"_a.noconvert(), "faces"_a.noconvert(),

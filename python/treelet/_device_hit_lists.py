@@ -13,7 +13,7 @@ from ._device import after_reading, before_reading
 from ._device_queries import require_local
 from ._device_rays import DeviceRays, find_device_rays
 from ._device_results import make_outputs
-from ._hit_lists import AllHits, _as_count
+from ._hit_lists import AllHits, as_limit
 from ._inputs import Rays, as_flag, as_rays
 from ._offset import Offset
 
@@ -63,7 +63,7 @@ class DeviceHitLists:
             TypeError: as `intersect`, and for a limit that is no whole number.
             RuntimeError: where CUDA fails, as for want of memory: cut the batch into parts then.
         """
-        most = _NO_LIMIT if limit is None else min(_as_count(limit, "limit"), _NO_LIMIT)
+        most = min(as_limit(limit), _NO_LIMIT)
         is_sorted = as_flag(reorder, "reorder")
         rays = find_device_rays(origins, directions, t_min, t_max, stream)
         if rays is None:

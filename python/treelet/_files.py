@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core
 from ._compiled_tree import CompiledTree
+from ._inputs import as_path
 
 
 class TreeFiles(CompiledTree):
@@ -26,7 +27,7 @@ class TreeFiles(CompiledTree):
             OSError: where the file cannot be written; then there is none, or the old one.
             RuntimeError: while another thread updates the tree.
         """
-        self._ask(_core.save, os.fspath(path))
+        self._ask(_core.save, as_path(path))
 
     @property
     def mesh_hash(self) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from operator import index
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._compiled_tree import CompiledTree
 from ._core import RayFilter
-from ._inputs import FloatArray, Rays, as_flag, as_rays
+from ._inputs import FloatArray, Rays, as_count, as_flag, as_rays
 from ._outputs import Output, as_output
 from ._ray_options import Cull, Masks, as_filter, as_masks
 
@@ -105,7 +104,7 @@ class HitLists(CompiledTree):
             RuntimeError: while another thread updates the tree.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
+        most = as_limit(limit)
         shown = as_filter(rays, active, face_mask, cull, self.face_count)
         return self._list_hits(rays, most, as_flag(reorder, "reorder"), shown)
 
@@ -168,9 +167,10 @@ class HitLists(CompiledTree):
             updated before the iterator ends, that raises a RuntimeError.
         """
         rays = as_rays(origins, directions, t_min, t_max, self._offset)
-        most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
+        most = as_limit(limit)
         options = as_masks(rays, active, face_mask, cull, self.face_count)
-        return self._chunks(rays, most, _as_count(max_hits, "max_hits"), as_flag(reorder, "reorder"), options)
+        count = min(as_count(max_hits, "max_hits"), _NO_LIMIT)
+        return self._chunks(rays, most, count, as_flag(reorder, "reorder"), options)
 
     def _chunks(
         self, rays: Rays, limit: int, max_hits: int, reorder: bool, masks: Masks
@@ -205,13 +205,6 @@ def _part(rays: Rays, begin: int, end: int) -> Rays:
     return Rays((end - begin,), arguments)
 
 
-def _as_count(value: object, name: str) -> int:
-    if isinstance(value, bool | np.bool_):
-        raise TypeError(f"{name} must be a whole number, not {type(value).__name__}")
-    try:
-        count = index(value)  # type: ignore[arg-type]
-    except TypeError:
-        raise TypeError(f"{name} must be a whole number, not {type(value).__name__}") from None
-    if count < 1:
-        raise ValueError(f"{name} must be at least 1, not {count}")
-    return min(count, _NO_LIMIT)
+def as_limit(limit: int | None) -> int:
+    """How many hits of each ray are kept."""
+    return _NO_LIMIT if limit is None else min(as_count(limit, "limit"), _NO_LIMIT)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 import warnings
+from collections.abc import Callable
+from operator import index
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -65,16 +68,28 @@ def as_recipe(recipe: str) -> str:
     return recipe
 
 
-def as_vertices(vertices: ArrayLike, offset: Offset | None = None) -> Vertices:
+def as_path(path: str | os.PathLike[str]) -> str:
+    """The path, if files can have such a name at all; whether there is one is judged where it is opened."""
+    if b"\0" in os.fsencode(path):
+        raise ValueError(f"path must be the name of a file, and {os.fspath(path)!r} holds a null character")
+    return os.fspath(path)
+
+
+def as_vertices(
+    vertices: ArrayLike, offset: Offset | None = None, require_count: Callable[[int], None] | None = None
+) -> Vertices:
     """(V, 3) float32, C-contiguous, relative to an offset.
 
     None chooses one: the origin for float32, which is used as it is; else near the mesh where that is far.
+    `require_count` judges how many there are before anything is said of their rounding.
     """
     array = _as_numbers(vertices, "vertices")
     if array.size == 0 and array.ndim == 1:
         array = array.reshape(0, 3)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"vertices must have shape (V, 3), not {array.shape}")
+    if require_count is not None:
+        require_count(len(array))
     if offset is None:
         offset = ORIGIN if _fits_float32(array.dtype) else choose_offset(array)
     local = subtract_offset(array, offset)
@@ -189,7 +204,8 @@ def _fits_float32(dtype: np.dtype[Any]) -> bool:
 
 
 def _to_float32(array: np.ndarray[Any, np.dtype[Any]]) -> FloatArray:
-    with np.errstate(over="ignore"):  # beyond float32 is infinite: a limit means that, a vertex is left out
+    # Beyond float32 is infinite: a limit means that, a vertex is left out. Signalling NaN become quiet ones.
+    with np.errstate(over="ignore", invalid="ignore"):
         return np.require(array, np.float32, _PLAIN)
 
 
@@ -225,6 +241,19 @@ def _raise_bad_index(faces: np.ndarray[Any, np.dtype[Any]], vertex_count: int) -
     face, corner = np.argwhere((faces < 0) | (faces >= vertex_count))[0]
     vertices = f"has vertices 0 to {vertex_count - 1}" if vertex_count else "has no vertices"
     raise ValueError(f"face {face} refers to vertex {faces[face, corner]}, but the mesh {vertices}")
+
+
+def as_count(value: object, name: str) -> int:
+    """A whole number from 1 on; TypeError or ValueError for anything else."""
+    if isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be a whole number, not {type(value).__name__}")
+    try:
+        count = index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise TypeError(f"{name} must be a whole number, not {type(value).__name__}") from None
+    if count < 1:
+        raise ValueError(f"{name} must be at least 1, not {count}")
+    return count
 
 
 def as_flag(value: object, name: str) -> bool:

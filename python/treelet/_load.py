@@ -7,7 +7,7 @@ import os
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._inputs import as_faces, as_flag, as_vertices
+from ._inputs import as_faces, as_flag, as_path, as_vertices
 from .bvh import Bvh
 
 
@@ -31,7 +31,7 @@ def load(path: str | os.PathLike[str], mmap: bool = True, *, verify: bool = Fals
         FileError: for a file that is no tree, damaged, cut off, or of another version. It is a ValueError.
         OSError: where the file cannot be read.
     """
-    return Bvh(_core.load(os.fspath(path), as_flag(mmap, "mmap"), as_flag(verify, "verify")))
+    return Bvh(_core.load(as_path(path), as_flag(mmap, "mmap"), as_flag(verify, "verify")))
 
 
 def from_bytes(data: bytes) -> Bvh:

@@ -79,7 +79,7 @@ class Bvh(RayQueries, HitLists, PointQueries, SurfaceQueries, TreeFiles):
             TypeError: for an array that does not hold numbers.
         """
         tree, guard = self._require_updatable()
-        points = as_vertices(vertices, self._offset)
+        points = as_vertices(vertices, self._offset, tree.require_vertex_count)
         with guard.update():
             tree.refit(points.array)
             self._accept(points)
@@ -90,7 +90,7 @@ class Bvh(RayQueries, HitLists, PointQueries, SurfaceQueries, TreeFiles):
         The tree is that of `treelet.build`; from the second rebuild on it takes no new memory.
         """
         tree, guard = self._require_updatable()
-        points = as_vertices(vertices)
+        points = as_vertices(vertices, None, tree.require_vertex_count)
         with guard.update():
             tree.rebuild(points.array)
             self._accept(points)
@@ -138,7 +138,8 @@ class Bvh(RayQueries, HitLists, PointQueries, SurfaceQueries, TreeFiles):
     def validate(self, vertices: ArrayLike | None = None, faces: ArrayLike | None = None) -> list[str]:
         """List what is wrong with the tree, at most 20 sentences; empty for a sound one.
 
-        Given the mesh again, it also checks that the tree holds that mesh's triangles, none missing.
+        Given the mesh again, it also checks that the tree holds that mesh's triangles, none missing. Those
+        that a refit has hidden are named then, for a build would leave them out.
 
         Args:
             vertices: (V, 3), where the mesh is now.
@@ -170,6 +171,9 @@ class Bvh(RayQueries, HitLists, PointQueries, SurfaceQueries, TreeFiles):
     @property
     def bounds(self) -> Bounds:
         """(2, 3) float32: lower and upper corner; inf and -inf for an empty tree.
+
+        Triangles that a refit has hidden (`report.hidden`) keep a place in it: a vertex that is still finite,
+        else where they were. A rebuild leaves them out.
 
         float64 where `offset` is not zero, for the corners may lie between two float32.
         """

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._double_inputs import DoubleArray, as_double_rays, as_double_vertices
-from ._hit_lists import _NO_LIMIT, OffsetArray, _as_count
+from ._hit_lists import OffsetArray, as_limit
 from ._inputs import as_faces, as_flag, as_recipe
 from .report import Report
 
@@ -151,7 +151,7 @@ class DoubleBvh:
             TypeError: where an array does not hold numbers, or lies on a CUDA device.
         """
         _, arguments = as_double_rays(origins, directions, t_min, t_max)
-        most = _NO_LIMIT if limit is None else _as_count(limit, "limit")
+        most = as_limit(limit)
         return DoubleAllHits(*self._core.intersect_all(*arguments, most))
 
     def count_hits(

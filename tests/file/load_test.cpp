@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <system_error>
 
 #include <treelet/file/file_format.h>
@@ -71,6 +72,26 @@ TEST(Load, NamesOtherVersionsAndMachines) {
   Bytes layout = changed(bytes, [](Header& header) { header.layout = 9; });
   reseal(layout);
   EXPECT_EQ(error_of_file(layout), "the file has a layout of an unknown kind, 9: update treelet");
+}
+
+TEST(Load, SaysWhatToDoAboutFactsThatCannotBe) {
+  Bytes bytes = bytes_of(small_tree("lbvh > bvh2"));
+  Header header;
+  std::memcpy(&header, bytes.data(), sizeof(Header));
+  constexpr std::size_t kOffset = 40,
+                        kFaces = 80;  // behind bounds, depth and costs; behind seconds
+  const auto error_with = [&](std::size_t at, auto value) {
+    Bytes damaged = bytes;
+    std::memcpy(&damaged[header.sections[kFacts].offset + at], &value, sizeof(value));
+    reseal(damaged);
+    return error_of_file(damaged);
+  };
+  const std::string start = "the facts are damaged or another version's, ";
+  const std::string advice = ": copy the file again, or build the tree again and save it";
+  EXPECT_EQ(error_with(kOffset, std::numeric_limits<double>::infinity()),
+            start + "the offset is not finite" + advice);
+  EXPECT_EQ(error_with(kFaces, std::uint64_t{1} << 40),
+            start + "there are more faces than a mesh can have" + advice);
 }
 
 TEST(Load, NamesFilesThatAreMissingOrNoFiles) {

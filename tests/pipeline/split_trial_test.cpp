@@ -49,6 +49,15 @@ TEST(SplitTrial, SplitsSlivers) {
   expect_same_bytes(bvh, build(mesh.view(), "presplit(budget=50) > " + kRest), "slivers");
 }
 
+TEST(SplitTrial, PutsSpatialSplitsInTheBuildersPlace) {
+  const test::OwnedMesh mesh = test::slivers(5000, 1);
+  const std::string rest = " > treelet > bvh8";
+  expect_same_bytes(build(mesh.view(), "trysbvh(budget=80) > lbvh" + rest),
+                    build(mesh.view(), "sbvh(budget=80)" + rest), "kept");
+  expect_same_bytes(build(mesh.view(), "trysbvh(margin=100) > lbvh" + rest),
+                    build(mesh.view(), "lbvh" + rest), "refused");
+}
+
 TEST(SplitTrial, WantsTheMargin) {
   const test::OwnedMesh mesh = test::slivers(5000, 1);
   EXPECT_EQ(build(mesh.view(), "trysplit(margin=100) > " + kRest).report.references,

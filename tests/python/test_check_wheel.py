@@ -13,6 +13,8 @@ GOOD = [
     "treelet/py.typed",
     "treelet-1.0.dist-info/METADATA",
     "treelet-1.0.dist-info/licenses/LICENSE",
+    "treelet-1.0.dist-info/licenses/NOTICE",
+    "treelet-1.0.dist-info/licenses/LICENSES/nanobind.txt",
 ]
 
 

@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 import pytest
-from sample_meshes import random_triangles
+from sample_meshes import TRIANGLE_FACES, TRIANGLE_VERTICES, random_triangles
 from sample_rays import as_bytes, mixed_rays
 
 import treelet
@@ -222,3 +222,10 @@ def test_flags_are_flags(saved):
         treelet.load(saved, "r")
     with pytest.raises(TypeError, match="verify must be True or False, not int"):
         treelet.load(saved, verify=1)
+
+
+def test_a_name_with_a_null_character_is_refused(tmp_path):
+    bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES)
+    for use in (bvh.save, treelet.load):
+        with pytest.raises(ValueError, match=r"path must be the name of a file, and .*a\\x00b' holds a null"):
+            use(tmp_path / "a\0b")

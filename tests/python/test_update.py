@@ -224,3 +224,23 @@ def test_to_cpu_is_itself():
     assert bvh.to("cpu") is bvh
     with pytest.raises(ValueError, match=r"device must be .*, not 'tpu'"):
         bvh.to("tpu")
+
+
+@pytest.mark.parametrize("update", ["refit", "rebuild"])
+def test_a_wrong_number_of_vertices_is_all_that_is_said(update):
+    bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES, updatable=True)
+    rounded = np.full((4, 3), 1e7) + np.arange(12).reshape(4, 3) / 8  # as many would be warned of
+    with pytest.raises(ValueError, match="built over 3 vertices and cannot be updated with 4"):
+        getattr(bvh, update)(rounded)
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_bounds_keep_a_place_for_hidden_triangles(mesh, recipe):
+    bvh = treelet.build(mesh.vertices, mesh.faces, recipe, updatable=True)
+    low, high = bvh.bounds
+    bvh.refit(np.full_like(mesh.vertices, np.nan))
+    assert bvh.report.hidden == len(mesh.faces)
+    assert (low <= bvh.bounds).all()
+    assert (bvh.bounds <= high).all()
+    bvh.rebuild(np.full_like(mesh.vertices, np.nan))
+    np.testing.assert_array_equal(bvh.bounds, [[np.inf] * 3, [-np.inf] * 3])

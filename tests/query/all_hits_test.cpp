@@ -85,23 +85,6 @@ TEST_P(AllHitsOfRays, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST_P(AllHitsOfRays, ComeInChunksOfBoundedSize) {
-  for (const std::size_t limit : {std::size_t{2}, AllHitsOptions{}.limit}) {
-    for (const std::size_t max_hits : {1u, 7u, 1000000u}) {
-      std::vector<std::vector<Hit>> rows;
-      std::size_t chunks = 0;
-      bvh_.stream_hits(RayBatch(rays_), max_hits, {.limit = limit}, [&](HitChunk&& chunk) {
-        EXPECT_EQ(chunk.first_ray, rows.size());
-        EXPECT_TRUE(chunk.hits.size() <= max_hits || chunk.hits.ray_count() == 1);
-        for (auto& row : rows_of(chunk.hits)) rows.push_back(std::move(row));
-        ++chunks;
-      });
-      EXPECT_EQ(rows, rows_of(bvh_.intersect_all(RayBatch(rays_), {.limit = limit}))) << max_hits;
-      EXPECT_EQ(chunks > 1, max_hits < 100u) << max_hits;
-    }
-  }
-}
-
 TEST_P(AllHitsOfRays, OfNothingAreNone) {
   const AllHits of_no_rays = bvh_.intersect_all(RayBatch());
   EXPECT_EQ(of_no_rays.offsets.size(), 1u);
@@ -109,7 +92,6 @@ TEST_P(AllHitsOfRays, OfNothingAreNone) {
   const Bvh empty = build(Mesh{}, GetParam());
   EXPECT_EQ(empty.intersect_all(RayBatch(rays_)).size(), 0u);
   EXPECT_TRUE(empty.intersect_all(rays_[0]).empty());
-  bvh_.stream_hits(RayBatch(), 10, {}, [](HitChunk&&) { ADD_FAILURE() << "a chunk of no rays"; });
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, AllHitsOfRays,

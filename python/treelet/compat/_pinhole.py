@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .._inputs import as_count
 from ._arrays import as_array
 
 _LEAST_SINE = 1e-12  # of the angle between two directions that are not parallel
@@ -18,15 +19,16 @@ def rays_of_matrices(
     `intrinsic_matrix` (3, 3) takes the camera to pixels; `extrinsic_matrix` (4, 4), a rotation and a shift,
     takes the world to the camera.
     """
+    width, height = as_count(width_px, "width_px"), as_count(height_px, "height_px")
     intrinsic = _as_shape(intrinsic_matrix, "intrinsic_matrix", (3, 3))
     extrinsic = _as_shape(extrinsic_matrix, "extrinsic_matrix", (4, 4))
     if not np.isfinite(intrinsic).all() or np.linalg.matrix_rank(intrinsic) < 3:
         raise ValueError("intrinsic_matrix must have an inverse: see its focal lengths")
     to_world = extrinsic[:3, :3].T
-    pixels = np.ones((height_px, width_px, 3))
-    pixels[..., 0] = np.arange(width_px) + 0.5
-    pixels[..., 1] = np.arange(height_px)[:, None] + 0.5
-    rays = np.empty((height_px, width_px, 6), np.float32)
+    pixels = np.ones((height, width, 3))
+    pixels[..., 0] = np.arange(width) + 0.5
+    pixels[..., 1] = np.arange(height)[:, None] + 0.5
+    rays = np.empty((height, width, 6), np.float32)
     rays[..., :3] = -to_world @ extrinsic[:3, 3]
     rays[..., 3:] = pixels @ (to_world @ np.linalg.inv(intrinsic)).T
     return rays
@@ -48,8 +50,8 @@ def rays_of_view(
     extrinsic = np.eye(4)
     extrinsic[:3, :3] = right, np.cross(forward, right), forward
     extrinsic[:3, 3] = -extrinsic[:3, :3] @ place
-    focal_length = 0.5 * width_px / np.tan(np.radians(0.5 * fov_deg))
-    middle = 0.5 * width_px, 0.5 * height_px
+    middle = 0.5 * as_count(width_px, "width_px"), 0.5 * as_count(height_px, "height_px")
+    focal_length = middle[0] / np.tan(np.radians(0.5 * fov_deg))
     intrinsic = [[focal_length, 0, middle[0]], [0, focal_length, middle[1]], [0, 0, 1]]
     return rays_of_matrices(intrinsic, extrinsic, width_px, height_px)
 

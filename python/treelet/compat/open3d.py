@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..bvh import Bvh, build
 from ..mesh import Mesh
 from ._arrays import as_array
+from ._overloads import choose_overload
 from ._pinhole import rays_of_matrices, rays_of_view
 
 __all__ = ["RaycastingScene"]
@@ -67,7 +68,7 @@ class RaycastingScene:
             ValueError: for another shape, and for indices that are no integers or out of range.
             TypeError: for what is no mesh.
         """
-        read = _read_mesh if len(arguments) + len(named) == 1 else _read_arrays
+        read = choose_overload("add_triangles", (_read_mesh, _read_arrays), arguments, named)
         geometry = self._meshes.add(read(*arguments, **named))
         self._built = None
         return geometry
@@ -203,10 +204,12 @@ class RaycastingScene:
             (height_px, width_px, 6) float32, the directions not normalized.
 
         Raises:
-            ValueError: for another shape, a matrix without inverse, and a view without a direction or
-                parallel to `up`.
+            ValueError: for another shape, a matrix without inverse, a view without a direction or parallel
+                to `up`, and for less than one column or row.
+            TypeError: for other arguments than those of one camera, and for a size that is no whole number.
         """
-        make = rays_of_matrices if len(arguments) + len(named) == 4 else rays_of_view
+        cameras = rays_of_matrices, rays_of_view
+        make = choose_overload("create_rays_pinhole", cameras, arguments, named)
         return make(*arguments, **named)
 
     def _scene(self) -> _BuiltScene:

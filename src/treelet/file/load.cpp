@@ -162,13 +162,23 @@ class Loader {
   void fill(Layout& layout, Bvh& bvh) const {
     borrow(kNodes, layout.nodes);
     borrow(kTriangles, triangles_of(layout));
-    ByteReader facts(bytes_of(kFacts));
-    take_facts(facts, bvh);
+    read_facts(bvh);
     bvh.report.tree.nodes = layout.nodes.size();
     bvh.report.tree.bytes = layout.bytes();
     bvh.report.tree.depth = layout.depth;
     const std::string unsafe = find_unsafe_part(layout, bvh.report.faces);
     if (!unsafe.empty()) throw FileError("the tree is broken: " + unsafe + kAdvice);
+  }
+
+  /// Their checksum was right, so that what is wrong was written so.
+  void read_facts(Bvh& bvh) const {
+    try {
+      ByteReader facts(bytes_of(kFacts));
+      take_facts(facts, bvh);
+    } catch (const FileError& error) {
+      throw FileError("the facts are damaged or another version's, " + std::string(error.what()) +
+                      kAdvice);
+    }
   }
 
   template <class T>

@@ -8,6 +8,7 @@
 
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
+#include <treelet/layout/cut_into_parts.h>
 #include <treelet/layout/cwbvh_steps.h>
 #include <treelet/layout/leaf_box.h>
 #include <treelet/layout/leaf_collapse.h>
@@ -91,26 +92,17 @@ void plan(const Source& source, Part& part) {
   }
 }
 
-/// Cuts the tree into parts in depth-first order and plans those above the cut.
-std::vector<Part> cut_into_parts(const Source& source) {
+/// Cuts the tree and plans the parts above the cut.
+std::vector<Part> plan_top(const Source& source) {
   const auto is_top = [&](std::uint32_t slot) {
     return source.tree.nodes[slot].count > kSubtreeReferences;
   };
-  std::vector<Part> parts, stack{{kRoot, 0, 0, 1, is_top(kRoot)}};
-  while (!stack.empty()) {
-    const std::uint32_t index = std::uint32_t(parts.size());
-    Part& part = parts.emplace_back(stack.back());
-    stack.pop_back();
-    if (!part.is_top) continue;
+  return cut_into_parts(Part{kRoot, 0, 0, 1, is_top(kRoot)}, [&](Part& part, const auto& add) {
     plan(source, part);
-    const std::size_t below = stack.size();
     for_each_child(part.nodes[0], [&](int i, std::uint32_t slot) {
-      if (source.is_leaf(slot)) return;
-      stack.push_back({slot, index, i, part.depth + 1, is_top(slot)});
+      if (!source.is_leaf(slot)) add(slot, i, is_top(slot));
     });
-    std::reverse(stack.begin() + std::ptrdiff_t(below), stack.end());
-  }
-  return parts;
+  });
 }
 
 /// Compresses a node whose children's exact boxes are known; returns its own.
@@ -274,7 +266,7 @@ Cwbvh lay_out_cwbvh(const BinaryTree& tree, const References& references, const 
   const Stage stage{"pack cwbvh"};
   const LeafBoxes leaf_boxes(tree, references, mesh);
   const Source source{tree, references, mesh, collapse, leaf_boxes};
-  std::vector<Part> parts = cut_into_parts(source);
+  std::vector<Part> parts = plan_top(source);
   return pack_parts(source, parts);
 }
 

@@ -7,6 +7,7 @@
 #include <treelet/core/parallel.h>
 #include <treelet/core/stage.h>
 #include <treelet/layout/bvh8.h>
+#include <treelet/layout/cut_into_parts.h>
 #include <treelet/layout/leaf_box_steps.h>
 #include <treelet/layout/leaf_collapse.h>
 #include <treelet/layout/leaf_keys.h>
@@ -24,23 +25,15 @@ struct Source {
   const double scale = power_of_two(references.scale_exponent);
 };
 
-/// Cuts the tree into parts in depth-first order.
-std::vector<Bvh8Part> cut_into_parts(const WideCollapse& collapse) {
-  std::vector<Bvh8Part> parts, stack{{kRoot, 0, 0, 1, true}};
-  while (!stack.empty()) {
-    const Bvh8Part part = stack.back();
-    stack.pop_back();
-    const std::uint32_t index = std::uint32_t(parts.size());
-    parts.push_back(part);
-    if (!part.is_top) continue;
+/// What lies below a part above the cut.
+auto list_parts_below(const WideCollapse& collapse) {
+  return [&collapse](const Bvh8Part& part, const auto& add) {
     const WideChildren children = list_wide_children(collapse, part.slot);
-    for (std::size_t i = children.count; i-- > 0;) {
+    for (std::size_t i = 0; i < children.count; ++i) {
       const std::uint32_t slot = children.slots[i];
-      const bool is_top = !collapse.is_leaf(slot) && collapse.is_large(slot);
-      stack.push_back({slot, index, int(i), part.depth + 1, is_top});
+      add(slot, int(i), !collapse.is_leaf(slot) && collapse.is_large(slot));
     }
-  }
-  return parts;
+  };
 }
 
 /// Plans a part and finds what it takes.
@@ -168,7 +161,7 @@ Bvh8Plan plan_bvh8(const WideCollapse& collapse, const References& references,
   if (collapse.empty()) return {};
   const Stage stage{"plan bvh8"};
   const Source source{collapse, references, tree};
-  Bvh8Plan plan{cut_into_parts(collapse), {}};
+  Bvh8Plan plan{cut_into_parts(Bvh8Part{kRoot, 0, 0, 1, true}, list_parts_below(collapse)), {}};
   parallel_for(plan.parts.size(), 1, [&](std::size_t i) { Planner(source, plan.parts[i]).plan(); });
   plan.size = place(plan.parts);
   return plan;

@@ -26,6 +26,7 @@
 #include <treelet/pipeline/split_trial.h>
 #include <treelet/primitive/split.h>
 #include <treelet/tree/validate.h>
+#include <treelet/tree/violations.h>
 
 namespace treelet {
 namespace {
@@ -178,13 +179,6 @@ auto find_function(const Table& table, std::string_view word) {
     if (entry.word == word) return entry.run;
   }
   throw std::logic_error("no function for the recipe word '" + std::string(word) + "'");
-}
-
-void require_sound(std::string_view stage, const std::vector<std::string>& violations) {
-  if (violations.empty()) return;
-  std::string message = "after '" + std::string(stage) + "' the tree is broken:";
-  for (const std::string& violation : violations) message += "\n  " + violation;
-  throw std::logic_error(message);
 }
 
 /// Runs a recipe's stages one after the other.

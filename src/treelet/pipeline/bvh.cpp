@@ -54,12 +54,6 @@ AllHits Bvh::intersect_all(const RayBatch& rays, const AllHitsOptions& options) 
                     layout);
 }
 
-void Bvh::stream_hits(const RayBatch& rays, std::size_t max_hits, const AllHitsOptions& options,
-                      const std::function<void(HitChunk&&)>& show) const {
-  std::visit([&](const auto& bvh) { treelet::stream_hits(bvh, rays, max_hits, options, show); },
-             layout);
-}
-
 std::int64_t Bvh::count_hits(const Ray& ray) const {
   return std::visit([&](const auto& bvh) { return treelet::count_hits(bvh, ray); }, layout);
 }

@@ -78,8 +78,6 @@ struct Bvh {
   // Every hit by the fill rule (query/hit_counts.h), sorted by (t, face): query/all_hits.h.
   std::vector<Hit> intersect_all(const Ray& ray, const AllHitsOptions& options = {}) const;
   AllHits intersect_all(const RayBatch& rays, const AllHitsOptions& options = {}) const;
-  void stream_hits(const RayBatch& rays, std::size_t max_hits, const AllHitsOptions& options,
-                   const std::function<void(HitChunk&&)>& show) const;
   std::int64_t count_hits(const Ray& ray) const;
   void count_hits(const RayBatch& rays, std::span<std::int64_t> counts) const;
 

@@ -10,17 +10,11 @@
 #include <treelet/layout/device_statistics.h>
 #include <treelet/pipeline/device_bvh_impl.h>
 #include <treelet/tree/validate.h>
+#include <treelet/tree/violations.h>
 #include <treelet/core/cuda_check.cuh>
 
 namespace treelet::cuda {
 namespace {
-
-void require_sound(std::string_view stage, const std::vector<std::string>& violations) {
-  if (violations.empty()) return;
-  std::string message = "after '" + std::string(stage) + "' the tree is broken:";
-  for (const std::string& violation : violations) message += "\n  " + violation;
-  throw std::logic_error(message);
-}
 
 /// Blocks are numbered by 29 bits.
 void require_numbers(const Recipe& recipe, const LayoutSize& size) {

@@ -25,10 +25,10 @@ constexpr WordParameter kSplitBudget{"budget", 30, 0, 300,
 
 constexpr std::array<WordParameter, 1> kPresplitParameters{{kSplitBudget}};
 
-constexpr std::array<WordParameter, 2> kTrysplitParameters{{
-    kSplitBudget,
-    {"margin", 2, 0, 100, "percent of rays' work that splits must save, or they are refused"},
-}};
+constexpr WordParameter kMargin{
+    "margin", 2, 0, 100, "percent of rays' work that splits must save, or they are refused"};
+
+constexpr std::array<WordParameter, 2> kTrysplitParameters{{kSplitBudget, kMargin}};
 
 constexpr std::array<WordParameter, 1> kHplocParameters{{
     {"radius", HplocConfig{}.radius, kMinHplocRadius, kMaxHplocRadius,
@@ -56,10 +56,13 @@ constexpr std::array<WordParameter, 2> kGridSahParameters{{
     kBinsParameter,
 }};
 
-constexpr std::array<WordParameter, 1> kSbvhParameters{{
-    {"budget", SbvhConfig{}.budget, 0, kMaxSbvhBudget,
-     "references added at most, in percent of those before; what is not needed costs nothing"},
-}};
+constexpr WordParameter kSbvhBudget{
+    "budget", SbvhConfig{}.budget, 0, kMaxSbvhBudget,
+    "references added at most, in percent of those before; what is not needed costs nothing"};
+
+constexpr std::array<WordParameter, 1> kSbvhParameters{{kSbvhBudget}};
+
+constexpr std::array<WordParameter, 2> kTrysbvhParameters{{kSbvhBudget, kMargin}};
 
 constexpr std::array<WordParameter, 2> kReinsertParameters{{
     {"percent", ReinsertionConfig{}.percent, 0, 10, "of all nodes, the largest, are looked at"},
@@ -104,13 +107,16 @@ constexpr std::array<WordParameter, 1> kCwbvhParameters{{
     {"leaf", CwbvhNode::kMaxLeaf, 1, CwbvhNode::kMaxLeaf, "triangles in a leaf at most"},
 }};
 
-constexpr std::array<RecipeWord, 18> kWords{{
+constexpr std::array<RecipeWord, 19> kWords{{
     {"presplit", WordKind::splitter,
      "splits triangles that fill little of their boxes (Karras and Aila 2013)",
      kPresplitParameters},
     {"trysplit", WordKind::splitter,
      "builds with presplit and without, and keeps the tree that rays cost less in",
      kTrysplitParameters},
+    {"trysbvh", WordKind::splitter,
+     "builds with sbvh in the builder's place and as told, and keeps the tree that rays cost less in",
+     kTrysbvhParameters},
     {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
     {"hploc", WordKind::builder, "clustering of neighbours in Morton order (Benthin et al. 2024)",
      kHplocParameters},
@@ -150,8 +156,8 @@ constexpr std::array<Preset, 4> kPresets{{
      "near-best tree for a little more time: the default"},
     {"better", "trysplit > lbvh > treelet(rounds=2, gamma=14) > reinsert > bvh8",
      "splits triangles if rays gain, on the CPU alone: for tens of rays a triangle"},
-    {"best", "sbvh(budget=50) > treelet(rounds=2, gamma=14) > reinsert > bvh8",
-     "spatial splits, on the CPU alone: for billions of rays, and for long thin triangles"},
+    {"best", "trysbvh > lbvh > treelet(rounds=2, gamma=14) > reinsert > bvh8",
+     "spatial splits if rays gain, on the CPU alone: for billions of rays, and for long thin triangles"},
 }};
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace treelet {
 namespace {
 
-constexpr std::string_view kTry = "trysplit", kSplit = "presplit";
+constexpr std::string_view kTrySplit = "trysplit", kTrySbvh = "trysbvh";
 
 /// Enough for work to be off by a percent or so; fewer where the mesh is built in no time.
 std::size_t ray_count(const Mesh& mesh) {
@@ -61,8 +61,14 @@ Recipe without_splits(Recipe recipe) {
   return recipe;
 }
 
+/// Splits come before the builder, or the builder that splits in its place.
 Recipe with_splits(Recipe recipe) {
-  recipe.splitter = RecipeStage{&find_word(kSplit), {recipe.splitter->value("budget")}};
+  const RecipeStage trial = *recipe.splitter;
+  if (trial.word->name == kTrySbvh) {
+    recipe.builder = RecipeStage{&find_word("sbvh"), {trial.value("budget")}};
+    return without_splits(std::move(recipe));
+  }
+  recipe.splitter = RecipeStage{&find_word("presplit"), {trial.value("budget")}};
   return recipe;
 }
 
@@ -87,7 +93,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 bool tries_splitting(const Recipe& recipe) {
-  return recipe.splitter && recipe.splitter->word->name == kTry;
+  if (!recipe.splitter) return false;
+  const std::string_view name = recipe.splitter->word->name;
+  return name == kTrySplit || name == kTrySbvh;
 }
 
 Bvh build_by_trial(const Mesh& mesh, const Recipe& recipe, const BuildOptions& options) {

@@ -62,10 +62,14 @@ void UpdatableBvh::rebuild(std::span<const Vec3> vertices) {
 }
 
 Mesh UpdatableBvh::moved_mesh(std::span<const Vec3> vertices) const {
-  if (vertices.size() == vertex_count_) return {vertices, faces_};
+  require_vertex_count(vertices.size());
+  return {vertices, faces_};
+}
+
+void UpdatableBvh::require_vertex_count(std::size_t count) const {
+  if (count == vertex_count_) return;
   throw std::invalid_argument("the tree was built over " + std::to_string(vertex_count_) +
-                              " vertices and cannot be updated with " +
-                              std::to_string(vertices.size()) +
+                              " vertices and cannot be updated with " + std::to_string(count) +
                               ": an update moves vertices, it neither adds nor removes any");
 }
 

@@ -36,6 +36,9 @@ class UpdatableBvh {
   /// Throws as refit() and build().
   void rebuild(std::span<const Vec3> vertices);
 
+  /// Throws std::invalid_argument unless the tree can be updated with so many vertices.
+  void require_vertex_count(std::size_t count) const;
+
  private:
   Mesh moved_mesh(std::span<const Vec3> vertices) const;
   std::size_t held_bytes() const { return arena_->bytes() + faces_.bytes(); }

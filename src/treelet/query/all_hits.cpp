@@ -57,17 +57,6 @@ void trace_part(const Layout& bvh, const RayBatch& part, std::size_t first, std:
   });
 }
 
-/// How many of the rays with these counts make up the next chunk.
-std::size_t rays_of_chunk(std::span<const std::int64_t> counts, std::size_t max_hits,
-                          std::size_t limit) {
-  std::size_t hits = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    hits += std::min(std::size_t(counts[i]), limit);
-    if (hits > max_hits) return std::max<std::size_t>(i, 1);
-  }
-  return counts.size();
-}
-
 }  // namespace
 
 template <class Layout>
@@ -97,28 +86,9 @@ AllHits intersect_all(const Layout& bvh, const RayBatch& rays, const AllHitsOpti
   return all;
 }
 
-template <class Layout>
-void stream_hits(const Layout& bvh, const RayBatch& rays, std::size_t max_hits,
-                 const AllHitsOptions& options, const std::function<void(HitChunk&&)>& show) {
-  constexpr std::size_t kRaysPerCount = std::size_t{1} << 18;
-  std::vector<std::int64_t> counts(std::min(rays.size, kRaysPerCount));
-  for (std::size_t first = 0; first < rays.size; first += kRaysPerCount) {
-    const std::size_t count = std::min(kRaysPerCount, rays.size - first);
-    count_hits(bvh, rays.part(first, count), counts);
-    for (std::size_t begin = 0; begin < count;) {
-      const std::size_t end = begin + rays_of_chunk(std::span(counts).subspan(begin, count - begin),
-                                                    max_hits, options.limit);
-      show({first + begin, intersect_all(bvh, rays.part(first + begin, end - begin), options)});
-      begin = end;
-    }
-  }
-}
-
-#define TREELET_INSTANTIATE(Layout)                                                             \
-  template std::vector<Hit> intersect_all(const Layout&, const Ray&, const AllHitsOptions&);    \
-  template AllHits intersect_all(const Layout&, const RayBatch&, const AllHitsOptions&);        \
-  template void stream_hits(const Layout&, const RayBatch&, std::size_t, const AllHitsOptions&, \
-                            const std::function<void(HitChunk&&)>&);
+#define TREELET_INSTANTIATE(Layout)                                                          \
+  template std::vector<Hit> intersect_all(const Layout&, const Ray&, const AllHitsOptions&); \
+  template AllHits intersect_all(const Layout&, const RayBatch&, const AllHitsOptions&);
 TREELET_INSTANTIATE(Bvh2)
 TREELET_INSTANTIATE(Bvh8)
 TREELET_INSTANTIATE(Cwbvh)

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -43,21 +42,9 @@ template <class Layout>
 std::vector<Hit> intersect_all(const Layout& bvh, const Ray& ray,
                                const AllHitsOptions& options = {});
 
-/// Takes twice the memory of the answer at most, and that of the hits of a few rays a thread.
+/// Takes twice the memory of the answer at most, and that of the hits of a few rays a thread. To
+/// bound it, count the hits first (query/hit_counts.h), then list parts of the batch.
 template <class Layout>
 AllHits intersect_all(const Layout& bvh, const RayBatch& rays, const AllHitsOptions& options = {});
-
-/// Consecutive rays and their hits.
-struct HitChunk {
-  std::size_t first_ray;
-  AllHits hits;
-};
-
-/// Shows all hits of the batch in chunks, in order, of at most `max_hits` hits each; a single ray
-/// that has more is a chunk of its own. Rays are counted first, so that memory is bounded whatever
-/// they hit. The order of the batch itself must be the given one.
-template <class Layout>
-void stream_hits(const Layout& bvh, const RayBatch& rays, std::size_t max_hits,
-                 const AllHitsOptions& options, const std::function<void(HitChunk&&)>& show);
 
 }  // namespace treelet

@@ -27,15 +27,20 @@ struct SlabTime {
   double t_shift = 0.0;  ///< the ray's t at the slab test's origin
   double t_scale = 1.0;  ///< slab t over the ray's t
 
-  // Limits on the ray's t as limits on slab t, an ulp wider.
+  // Limits on the ray's t as limits on slab t, an ulp wider. A limit that a t beyond the largest
+  // float was rounded to stands for all of these.
   TREELET_INLINE float lower_limit(float t) const {
-    return float((t - ulp(t) - t_shift) * t_scale);
+    const float low = t > kLargest ? kLargest : t;
+    return float((low - ulp(low) - t_shift) * t_scale);
   }
   TREELET_INLINE float upper_limit(float t) const {
-    return float((t + ulp(t) - t_shift) * t_scale);
+    const float high = t < -kLargest ? -kLargest : t;
+    return float((high + ulp(high) - t_shift) * t_scale);
   }
 
  private:
+  static constexpr float kLargest = 0x1.fffffep127f;
+
   /// At least one, also of a denormal.
   static TREELET_INLINE double ulp(float t) {
     return (t < 0.0f ? -double(t) : double(t)) * 0x1p-23 + 0x1p-149;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,5 +21,13 @@ class Violations {
   static constexpr std::size_t kLimit = 20;
   std::vector<std::string> sentences_;
 };
+
+/// For builds that check themselves: throws std::logic_error where a stage left any.
+inline void require_sound(std::string_view stage, const std::vector<std::string>& violations) {
+  if (violations.empty()) return;
+  std::string message = "after '" + std::string(stage) + "' the tree is broken:";
+  for (const std::string& violation : violations) message += "\n  " + violation;
+  throw std::logic_error(message);
+}
 
 }  // namespace treelet
