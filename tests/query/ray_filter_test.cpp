@@ -169,7 +169,9 @@ TEST_P(Filters, LeaveOutRaysThatAreNotActive) {
   bvh.count_work(batch, work);
   for (std::size_t i = 0; i < rays_.size(); ++i) {
     ASSERT_EQ(hits[i], active_[i] ? all[i] : Hit{}) << "ray " << i;
-    if (!active_[i]) ASSERT_EQ(work[i].nodes, 0u);
+    if (!active_[i]) {
+      ASSERT_EQ(work[i].nodes, 0u);
+    }
   }
 }
 

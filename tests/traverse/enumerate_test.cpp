@@ -153,7 +153,7 @@ TEST_P(Enumeration, OfFirstHitsIsTheStartOfAllForAllInstructionSets) {
     const std::vector<RayHit> expected = first_of(expected_, most);
     for (const Isa isa : test::runnable_isas()) {
       WaveStacks stacks(layout, rays_.size());
-      std::vector<FirstHits> found(rays_.size(), FirstHits{.most = most});
+      std::vector<FirstHits> found(rays_.size(), FirstHits{most, 0, {}});
       bvh8_enumerator(isa).first(Bvh8View(layout), rays_.data(), std::uint32_t(rays_.size()),
                                  found.data(), stacks.view());
       std::vector<RayHit> hits;

@@ -25,8 +25,8 @@ constexpr WordParameter kSplitBudget{"budget", 30, 0, 300,
 
 constexpr std::array<WordParameter, 1> kPresplitParameters{{kSplitBudget}};
 
-constexpr WordParameter kMargin{
-    "margin", 2, 0, 100, "percent of rays' work that splits must save, or they are refused"};
+constexpr WordParameter kMargin{"margin", 2, 0, 100,
+                                "percent of rays' work that splits must save, or they are refused"};
 
 constexpr std::array<WordParameter, 2> kTrysplitParameters{{kSplitBudget, kMargin}};
 
@@ -115,7 +115,7 @@ constexpr std::array<RecipeWord, 19> kWords{{
      "builds with presplit and without, and keeps the tree that rays cost less in",
      kTrysplitParameters},
     {"trysbvh", WordKind::splitter,
-     "builds with sbvh in the builder's place and as told, and keeps the tree that rays cost less in",
+     "builds with sbvh for a builder and as told, and keeps the tree that rays cost less in",
      kTrysbvhParameters},
     {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
     {"hploc", WordKind::builder, "clustering of neighbours in Morton order (Benthin et al. 2024)",
@@ -157,7 +157,7 @@ constexpr std::array<Preset, 4> kPresets{{
     {"better", "trysplit > lbvh > treelet(rounds=2, gamma=14) > reinsert > bvh8",
      "splits triangles if rays gain, on the CPU alone: for tens of rays a triangle"},
     {"best", "trysbvh > lbvh > treelet(rounds=2, gamma=14) > reinsert > bvh8",
-     "spatial splits if rays gain, on the CPU alone: for billions of rays, and for long thin triangles"},
+     "spatial splits if rays gain, on the CPU alone: for billions of rays"},
 }};
 
 }  // namespace
