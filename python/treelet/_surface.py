@@ -97,8 +97,12 @@ class SurfaceQueries(CompiledTree):
 
         Raises:
             ValueError: for a face that the mesh does not have, and where the shapes do not fit each other.
-            TypeError: for faces that are no integers.
+            TypeError: for faces that are no integers, and for hits without `face`, `u` and `v`.
         """
+        if not all(hasattr(hits, part) for part in ("face", "u", "v")):
+            raise TypeError(
+                f"hits must be an answer with face, u and v, as of intersect, not {type(hits).__name__}"
+            )
         numbers, leaving = self._as_faces(hits.face), as_points(directions, "directions")
         shape = _common_shape("hits", numbers.shape, "directions", leaving.shape)
         weights = [_rows(np.asarray(weight, np.float32), shape) for weight in (hits.u, hits.v)]

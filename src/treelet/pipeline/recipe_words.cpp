@@ -115,7 +115,7 @@ constexpr std::array<RecipeWord, 19> kWords{{
      "builds with presplit and without, and keeps the tree that rays cost less in",
      kTrysplitParameters},
     {"trysbvh", WordKind::splitter,
-     "builds with sbvh for a builder and as told, and keeps the tree that rays cost less in",
+     "builds with sbvh for the builder and as told, keeps the tree that rays cost less in",
      kTrysbvhParameters},
     {"lbvh", WordKind::builder, "radix tree over 63-bit Morton codes (Karras 2012)", {}},
     {"hploc", WordKind::builder, "clustering of neighbours in Morton order (Benthin et al. 2024)",
