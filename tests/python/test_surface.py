@@ -73,7 +73,7 @@ def test_faces_that_are_not_there_are_refused():
         bvh.normals(0.0)
     with pytest.raises(ValueError, match="cannot be broadcast"):
         bvh.normals([0, 0], facing=np.ones((3, 3)))
-    with pytest.raises(TypeError, match="hits must be an answer with face, u and v, .* not ndarray"):
+    with pytest.raises(TypeError, match="hits must be an answer with face, u and v"):
         bvh.spawn(np.zeros(3), np.ones((1, 3)))
 
 
