@@ -138,17 +138,17 @@ class PointQueries(CompiledTree):
         Args:
             points: (..., 3) float.
             accuracy: from how many of its radii on a part of the mesh is taken as a whole: 2 errs by
-                some hundredths at most, 6 by some thousandths, infinity by rounding alone and takes time
+                some thousandths at most, 6 by some hundred-thousandths, infinity by rounding alone and takes time
                 proportional to the mesh.
 
         Raises:
-            ValueError: for a negative or NaN accuracy.
+            ValueError: for an accuracy below 1, whose parts would contain the point, or NaN.
             TypeError: for an accuracy that is no number.
         """
-        if not isinstance(accuracy, int | float | np.number):
+        if isinstance(accuracy, bool) or not isinstance(accuracy, int | float | np.number):
             raise TypeError(f"accuracy must be a number, not {type(accuracy).__name__}")
-        if not accuracy >= 0:
-            raise ValueError(f"accuracy must be a number from 0 to infinity, not {accuracy!r}")
+        if not accuracy >= 1:
+            raise ValueError(f"accuracy must be a number from 1 to infinity, not {accuracy!r}")
         given = as_points(points, "points", self._offset)
         room = as_output(out, Output("out", given.shape, np.float32))
         answers = self._ask(_core.winding_number, given.array, float(accuracy), room)

@@ -104,6 +104,10 @@ class SurfaceQueries(CompiledTree):
                 f"hits must be an answer with face, u and v, as of intersect, not {type(hits).__name__}"
             )
         numbers, leaving = self._as_faces(hits.face), as_points(directions, "directions")
+        for name, weight in (("u", hits.u), ("v", hits.v)):
+            if np.shape(weight) != numbers.shape:
+                shapes = f"{numbers.shape}, not {np.shape(weight)}"
+                raise ValueError(f"{name} of hits must have the shape of their face, {shapes}")
         shape = _common_shape("hits", numbers.shape, "directions", leaving.shape)
         weights = [_rows(np.asarray(weight, np.float32), shape) for weight in (hits.u, hits.v)]
         vectors = _rows(leaving.array.reshape(*leaving.shape, 3), shape, 3)

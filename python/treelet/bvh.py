@@ -69,7 +69,7 @@ class Bvh(RayQueries, HitLists, PointQueries, SurfaceQueries, TreeFiles):
             vertices: (V, 3) as for `treelet.build`, as many as there: the faces are those of the build. The
                 tree keeps its `offset`: where a mesh moves far away in float64, rebuild it.
 
-        Recipes that split triangles (`presplit`, `trysplit`, `sbvh`, the presets `better` and `best`) lose
+        Recipes that split triangles (`presplit`, `trysplit`, `sbvh`, `trysbvh`, the presets `better` and `best`) lose
         more by a refit than splitting gained: their pieces get the boxes of whole triangles. Rebuild such
         trees.
 
@@ -278,11 +278,11 @@ def _choose_recipe(recipe: str | None, rays: float | None, shape: tuple[int, ...
         return "balanced" if recipe is None else recipe
     if recipe is not None:
         raise TypeError("build takes a recipe or the number of rays to choose one by, not both")
-    if not isinstance(rays, int | float | np.number):
+    if isinstance(rays, bool) or not isinstance(rays, int | float | np.number):
         raise TypeError(f"rays must be a number, not {type(rays).__name__}")
     if not rays >= 0:
         raise ValueError(f"rays must be a number that is not negative, not {rays}")
-    return _core.choose_preset(shape[0] if shape else 0, min(float(rays), 1e300), may_split)
+    return _core.choose_preset(shape[0] if shape else 0, float(min(rays, 1e300)), may_split)
 
 
 def _place(core: _core.Bvh, points: Vertices) -> _core.Bvh:

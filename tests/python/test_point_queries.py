@@ -158,6 +158,6 @@ def test_points_must_have_three_coordinates(query):
 
 def test_accuracy_must_not_be_negative():
     bvh = treelet.build(TRIANGLE_VERTICES, TRIANGLE_FACES)
-    for accuracy in (-1.0, np.nan):
+    for accuracy in (-1.0, 0.5, np.nan):
         with pytest.raises(ValueError, match="accuracy"):
             bvh.winding_number([0, 0, 0], accuracy)

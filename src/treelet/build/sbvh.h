@@ -7,12 +7,12 @@
 
 namespace treelet {
 
-/// In percent; binds nowhere.
+/// In percent; binds only where many triangles lie on each other.
 constexpr float kMaxSbvhBudget = 1e6f;
 
 struct SbvhConfig {
   SahModel sah{};  ///< decides where space is split no further
-  /// References added at most, in percent of those at first. What is not used up costs nothing.
+  /// References added at most, in percent of those at first. What is not used up takes no memory.
   float budget = 100.0f;
   /// Space that the halves of the best object split must share for planes to be looked for, in
   /// parts of the scene's surface and of the node's.

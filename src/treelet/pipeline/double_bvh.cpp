@@ -19,8 +19,8 @@ void check_recipe(const Recipe& recipe) {
   }
   if (recipe.splitter || recipe.builder.word->name == "sbvh") {
     throw std::invalid_argument(wrong +
-                                "that split no triangles: leave out presplit, and sbvh and " +
-                                "the preset best that uses it" + given);
+                                "that split no triangles, without presplit, sbvh, trysplit and " +
+                                "trysbvh, which the presets better and best use" + given);
   }
 }
 

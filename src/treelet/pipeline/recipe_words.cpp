@@ -56,9 +56,8 @@ constexpr std::array<WordParameter, 2> kGridSahParameters{{
     kBinsParameter,
 }};
 
-constexpr WordParameter kSbvhBudget{
-    "budget", SbvhConfig{}.budget, 0, kMaxSbvhBudget,
-    "references added at most, in percent of those before; what is not needed costs nothing"};
+constexpr WordParameter kSbvhBudget{"budget", SbvhConfig{}.budget, 0, kMaxSbvhBudget,
+                                    "references added at most, in percent of those before"};
 
 constexpr std::array<WordParameter, 1> kSbvhParameters{{kSbvhBudget}};
 

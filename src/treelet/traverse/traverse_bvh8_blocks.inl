@@ -13,6 +13,7 @@ struct LaneShear {
   std::uint32_t row[3];           ///< of an axis in a block's corner, in bytes
   float shear_x, shear_y;
   float z_min, z_max;  ///< limits on t, as distances along the z axis
+  float z_slack;       ///< slack_of the direction
 };
 
 template <class L>
@@ -86,10 +87,18 @@ struct Verdict {
   unsigned certain = 0;  ///< the ray hits the triangle within its limits
 };
 
+/// How far along z, at least, a hit is moved when a t that is no normal float is rounded, and its
+/// limit when t times direction_z is none. Large enough to be a normal float itself for directions
+/// of usual lengths, as arithmetic with others is slow.
+template <class L>
+TREELET_INLINE L slack_of(L direction_z) {
+  return direction_z * 0x1p-90f + kSmallestNormal;
+}
+
 /// Limits on t, as distances along the z axis.
 template <class L>
 struct LimitLanes {
-  L direction_z, z_min, z_max;
+  L direction_z, z_min, z_max, slack;
 };
 
 /// Limits on t. With U, V, W as in traverse/ray_triangle.h, the line meets the triangle at
@@ -100,7 +109,7 @@ struct LimitLanes {
 /// up to |sum| and four bounds at most. So, with z the largest |z|, rounding moves `along` by less
 /// than z (2 bound + 5u |sum|), and `sum` by 2 bound + 3u |sum|. `error` is more than both
 /// together, also if sum has the wrong sign, and leaves 8u for rounding t, its limits and the
-/// products here.
+/// products here; `slack` is for those that are no normal floats.
 template <class L>
 TREELET_INLINE void apply_limits(const LimitLanes<L>& limits, L along, L sum, L bound, L z,
                                  unsigned same_sign, Verdict& verdict) {
@@ -109,7 +118,7 @@ TREELET_INLINE void apply_limits(const LimitLanes<L>& limits, L along, L sum, L 
   const L error = broadcast<L>(4.0f) * bound + broadcast<L>(0x1p-20f) * size;
   const L before = limits.z_min * size - forward, beyond = forward - limits.z_max * size;
   const auto error_at = [&](L limit) {
-    return error * (z + magnitude(limit)) + broadcast<L>(kSmallestNormal);
+    return error * (z + magnitude(limit)) + (limits.slack * size + broadcast<L>(kSmallestNormal));
   };
   const L before_error = error_at(limits.z_min), beyond_error = error_at(limits.z_max);
   // Nothing is excluded where an infinite limit makes NaN.
@@ -147,7 +156,7 @@ TREELET_INLINE Verdict test_triangles(const LaneShear& ray, const BlockPair& blo
   const auto splat = [](float x) { return broadcast<TriangleLanes>(x); };
   return test_lanes<TriangleLanes>(
       shear(ray, blocks, 0), shear(ray, blocks, 1), shear(ray, blocks, 2),
-      {splat(ray.direction[2]), splat(ray.z_min), splat(ray.z_max)}, lanes);
+      {splat(ray.direction[2]), splat(ray.z_min), splat(ray.z_max), splat(ray.z_slack)}, lanes);
 }
 
 }  // namespace

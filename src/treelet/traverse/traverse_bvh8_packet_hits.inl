@@ -34,8 +34,8 @@ TREELET_INLINE LaneVertex<RayLanes> shear(const PacketShear& rays, BlockTriangle
 
 TREELET_INLINE Verdict test_rays(const PacketShear& rays, BlockTriangle triangle, unsigned lanes) {
   return test_lanes<RayLanes>(shear(rays, triangle, 0), shear(rays, triangle, 1),
-                              shear(rays, triangle, 2), {rays.direction[2], rays.z_min, rays.z_max},
-                              lanes);
+                              shear(rays, triangle, 2),
+                              {rays.direction[2], rays.z_min, rays.z_max, rays.z_slack}, lanes);
 }
 
 /// Some lanes as doubles.

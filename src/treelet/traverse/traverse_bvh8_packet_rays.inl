@@ -97,7 +97,7 @@ TREELET_INLINE unsigned find_triangles(const PacketSlabs& rays, const BlockPair&
 struct PacketShear {
   RayLanes origin[3], direction[3];
   RayLanes shear_x, shear_y;
-  RayLanes z_min, z_max;
+  RayLanes z_min, z_max, z_slack;
   std::uint32_t row[3];
 };
 
@@ -177,12 +177,15 @@ struct PacketRays {
   /// Limits on t from now on.
   TREELET_INLINE void set_limits(RayLanes t_max) {
     shear.z_max = t_max * magnitude(shear.direction[2]);
-    const RayLanes limit = (t_max + magnitude(t_max) * kWiden) * t_scale + kSmallestNormal;
+    const RayLanes limit = (t_max + widening(t_max)) * t_scale + kSmallestNormal;
     slabs.limit = Range(limit).most;
   }
 
  private:
-  static constexpr float kWiden = 0x1p-22f;  // two ulps
+  /// Two ulps, and what rounds to another float that is not normal.
+  static TREELET_INLINE RayLanes widening(RayLanes t) {
+    return magnitude(t) * 0x1p-22f + kSmallestNormal;
+  }
 
   static TREELET_INLINE float largest_distance(const Range (&origins)[3], const SceneLanes& scene) {
     float distance = 0.0f;
@@ -220,6 +223,7 @@ struct PacketRays {
     shear.shear_x = shear.direction[0] / shear.direction[2];
     shear.shear_y = shear.direction[1] / shear.direction[2];
     shear.z_min = rays.t_min * magnitude(shear.direction[2]);
+    shear.z_slack = slack_of(magnitude(shear.direction[2]));
   }
 
   /// As WaveRay::set_up_slabs, with a scale and a padding for all. The largest component of any ray
@@ -230,8 +234,7 @@ struct PacketRays {
     const std::uint32_t exponent = __builtin_bit_cast(std::uint32_t, length) >> 23;
     const float to_unit = __builtin_bit_cast(float, (254 - exponent) << 23);
     t_scale = __builtin_bit_cast(float, exponent << 23);
-    const RayLanes t_min =
-        (rays.t_min - magnitude(rays.t_min) * kWiden) * t_scale - kSmallestNormal;
+    const RayLanes t_min = (rays.t_min - widening(rays.t_min)) * t_scale - kSmallestNormal;
     slabs.t_min = Range(t_min).least;
     for (int axis = 0; axis < 3; ++axis) {
       constexpr std::uint32_t kRow = sizeof(Bvh8Node::planes[0]);

@@ -51,6 +51,7 @@ struct alignas(64) WaveRay {
     set_up_slabs(ray, origin, direction, scene);
     slabs.t_min = time.lower_limit(ray.t_min);
     shear.z_min = ray.t_min * absolute(shear.direction[2]);
+    shear.z_slack = slack_of(absolute(shear.direction[2]));
     set_limit();
     return true;
   }
