@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,12 +86,6 @@ std::string describe(double work, bool is_split) {
   return text;
 }
 
-void check(const Recipe& recipe) {
-  if (recipe.splitter->word->name != kTrySbvh || recipe.builder.word->name != "sbvh") return;
-  throw std::invalid_argument(
-      "trysbvh compares sbvh with another builder: name that one, not sbvh again");
-}
-
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -106,7 +99,6 @@ bool tries_splitting(const Recipe& recipe) {
 }
 
 Bvh build_by_trial(const Mesh& mesh, const Recipe& recipe, const BuildOptions& options) {
-  check(recipe);
   const auto start = std::chrono::steady_clock::now();
   Bvh whole = build(mesh, without_splits(recipe), options);
   Bvh split = build(mesh, with_splits(recipe), options);
