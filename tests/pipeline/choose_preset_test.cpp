@@ -13,7 +13,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(ChoosePreset, SpendsMoreOnTheTreeTheMoreRaysThereAre) {
   std::vector<std::string> chosen;
-  for (double rays = 0.0; rays < 1e12; rays = 10.0 * rays + 1.0) {
+  for (double rays = 0.0; rays < 1e12; rays = 1.5 * rays + 1.0) {
     const std::string preset(choose_preset(1'000'000, rays));
     if (chosen.empty() || chosen.back() != preset) chosen.push_back(preset);
   }

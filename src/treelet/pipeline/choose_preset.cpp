@@ -14,12 +14,10 @@ struct PresetCost {
   double ray;    ///< a diffuse ray's closest hit
 };
 
-// Of `better`, from ratios that bench/split_gate.py counts: processor time against balanced, work
-// against best.
-constexpr std::array<PresetCost, 4> kCosts{{{"fast", 73.0, 166.0},
-                                            {"balanced", 133.0, 132.0},
-                                            {"better", 880.0, 110.0},
-                                            {"best", 1454.0, 107.0}}};
+constexpr std::array<PresetCost, 4> kCosts{{{"fast", 67.0, 163.0},
+                                            {"balanced", 119.0, 131.0},
+                                            {"better", 808.0, 114.0},
+                                            {"best", 1374.0, 107.0}}};
 
 std::string_view find_cheapest(std::span<const PresetCost> costs, std::size_t triangles,
                                double rays) {
