@@ -138,8 +138,8 @@ class PointQueries(CompiledTree):
         Args:
             points: (..., 3) float.
             accuracy: from how many of its radii on a part of the mesh is taken as a whole: 2 errs by
-                some thousandths at most, 6 by some hundred-thousandths, infinity by rounding alone and takes time
-                proportional to the mesh.
+                some thousandths at most, 6 by some hundred-thousandths, infinity by rounding alone and
+                takes time proportional to the mesh.
 
         Raises:
             ValueError: for an accuracy below 1, whose parts would contain the point, or NaN.

@@ -69,9 +69,9 @@ class Bvh(RayQueries, HitLists, PointQueries, SurfaceQueries, TreeFiles):
             vertices: (V, 3) as for `treelet.build`, as many as there: the faces are those of the build. The
                 tree keeps its `offset`: where a mesh moves far away in float64, rebuild it.
 
-        Recipes that split triangles (`presplit`, `trysplit`, `sbvh`, `trysbvh`, the presets `better` and `best`) lose
-        more by a refit than splitting gained: their pieces get the boxes of whole triangles. Rebuild such
-        trees.
+        Recipes that split triangles (`presplit`, `trysplit`, `sbvh`, `trysbvh`, the presets `better` and
+        `best`) lose more by a refit than splitting gained: their pieces get the boxes of whole triangles.
+        Rebuild such trees.
 
         Raises:
             RuntimeError: for a tree built without `updatable=True`, or while another thread uses it.
